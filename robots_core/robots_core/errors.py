@@ -12,7 +12,8 @@ class RobotsError(Exception):
 
     Args:
         message: One sentence for a person: what came, the bound it breaks, what would be valid.
-        details: The same facts for a program (joint names, SI values), as they travel in messages.
+        details: The same facts for a program (joint names, SI values), as they travel in messages. `key` is
+            what happened, among the errors of one code; texts in other languages are found by it.
 
     Attributes:
         code: Of its kind, the same in every version.

@@ -23,6 +23,8 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
         **dict.fromkeys(('configuration', 'hold', 'tool', 'base', 'payload'), Change.NEXT_MOTION),
         **dict.fromkeys(('avoid', 'avoid_budget', 'on_blocked', 'most_replans'), Change.NEXT_MOTION),
         **dict.fromkeys(('blend_zone', 'joint_blend_zone', 'new_command'), Change.NEXT_MOTION),
+        **dict.fromkeys(('pendant.speed_fraction', 'pendant.acceleration_fraction'), Change.NEXT_MOTION),
+        **dict.fromkeys(('pendant.cartesian_speed', 'pendant.rotation_speed'), Change.NEXT_MOTION),
         'collision_margin': Change.STANDING,
     },
     'controller_node': {'tool_speed_limit': Change.ANYTIME, 'operating_mode': Change.STANDING},

@@ -224,6 +224,19 @@ DESCRIPTIONS: Final = {
 }
 """One line per setting, for people."""
 
+PENDANT: Final = 'pendant.'
+"""Before the names of `PENDANT_SETTINGS`, as parameters of planning_node."""
+PENDANT_SETTINGS: Final[Mapping[str, float]] = {
+    'speed_fraction': 0.1,
+    'acceleration_fraction': 0.3,
+    'cartesian_speed': 0.25,
+    'rotation_speed': 0.5,
+}
+"""What motions of the commander PENDANT have settings of their own for, with the defaults; they do not blend.
+
+The settings of programs are never changed for a person, so nothing remains of a pendant that dies.
+"""
+
 
 def checked(name: str) -> Callable[[Any], object]:
     """The check of the setting `name`, for its value alone."""

@@ -153,6 +153,21 @@ def test_a_step_ends_just_there_and_leaves_the_settings_as_they_were(
     cell.wait(lambda: settings(cell) == before and cell.state.commander is Commander.NOBODY, 'the end')
 
 
+def test_during_a_step_the_settings_of_programs_are_as_before(cell: OperatedCell) -> None:
+    """So nothing remains of a pendant that is killed then."""
+    before = settings(cell)
+    cell.until_standing()
+    cell.hold('axes 0 +', lambda: any(cell.references[-1].velocities), 'it moves', step=0.3)
+    assert settings(cell) == before
+    limit = cell.node.robot.axes_data.velocity
+    assert (np.abs(cell.references[-1].velocities) <= 0.11 * limit).all()  # as slow as a jog
+    own = cell.planner.get_parameter('pendant.speed_fraction').value
+    assert own == pytest.approx(cell.state.jog_speeds.fraction)
+    cell.operator.release(ME)
+    cell.until_standing()
+    assert settings(cell) == before
+
+
 def test_a_motion_to_a_target_ends_when_its_button_is_released(cell: OperatedCell) -> None:
     cell.until_standing()
     goal = np.array(cell.references[-1].positions)

@@ -145,7 +145,13 @@ def served(
 ) -> Iterator[str]:
     """The page of an operator; gives its address."""
     build = partial(PendantPage, operator, folder)
-    server = PageServer(build, port=0, title=operator.robot.name, access=access)
+    server = PageServer(
+        build,
+        port=0,
+        title=operator.robot.name,
+        access=access,
+        scene=lambda: operator.state.scene_url,
+    )
     try:
         yield server.url
     finally:

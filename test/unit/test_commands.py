@@ -167,7 +167,18 @@ def test_tables_fit_into_their_terminal_and_lose_nothing(width: int) -> None:
 
 
 def test_every_command_that_prints_a_table_has_json() -> None:
-    tables = {'list', 'show', 'check', 'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag'}
+    tables = {
+        'list',
+        'show',
+        'check',
+        'measure',
+        'cell',
+        'simulate',
+        'check_program',
+        'report',
+        'study',
+        'check_bag',
+    }
     assert {command.name for command in COMMANDS.values() if command.json} == tables
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import inspect
 import re
 from dataclasses import fields
@@ -188,6 +189,15 @@ def test_the_files_in_pages_are_yaml(page: Path) -> None:
         assert isinstance(yaml.safe_load(text), dict), text
 
 
+def help_of(parser: argparse.ArgumentParser) -> str:
+    """Of a command, and of those below it."""
+    texts = [parser.format_help()]
+    for action in parser._actions:
+        if isinstance(action.choices, dict):
+            texts += [help_of(one) for one in action.choices.values()]
+    return '\n'.join(texts)
+
+
 def test_the_commands_have_the_options_that_pages_give_them() -> None:
     given: dict[str, set[str]] = {}
     for line in (
@@ -200,7 +210,7 @@ def test_the_commands_have_the_options_that_pages_give_them() -> None:
             given.setdefault(name, set()).update(word for word in ours if word.startswith('-'))
     assert {'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag', 'check'} <= set(given)
     for name, options in given.items():
-        described = COMMANDS[name].parser().format_help()
+        described = help_of(COMMANDS[name].parser())
         assert not [option for option in options if not re.search(rf'{option}\b', described)], name
 
 

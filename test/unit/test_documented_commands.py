@@ -30,6 +30,8 @@ THE_READERS: Final = (
     'expected/bag',
     'before/bag',
     'my_cell/square.lua',
+    'my_cell/touch.points.yaml',
+    'my_cell/frames.yaml',
     'welding_study',
     'welding.html',
 )

@@ -1,4 +1,4 @@
-"""Guided measuring of tools, bases and payloads on the operator's page, without a browser."""
+"""Measuring of tools, bases and payloads step by step, without a browser."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from pendant_desk import ME, READY, Desk
-from robots_controller.pendant.frame_measuring import FrameMeasuring
+from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.motion_recording import MeasuredMotion, MotionRecording
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.program.cell_frames import CellFrames, Tool, read_frames, write_frames
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks.calibration.payload_identification import identify_payload
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import CommandRefusedError, MeasurementError, RobotsError
@@ -35,13 +36,8 @@ def robot() -> BaseRobotModel:
 
 
 @pytest.fixture
-def motion() -> list[MeasuredMotion]:
-    return []
-
-
-@pytest.fixture
-def measuring(robot: BaseRobotModel, motion: list[MeasuredMotion]) -> FrameMeasuring:
-    return FrameMeasuring(robot, MotionRecording(lambda: motion.pop(0) if motion else None))
+def measuring(robot: BaseRobotModel) -> FrameMeasuring:
+    return FrameMeasuring(robot)
 
 
 def placed(robot: BaseRobotModel, tool: Pose, where: Array, point: Array, turn: list[float]) -> Array:
@@ -133,10 +129,10 @@ def recorded_motion(robot: BaseRobotModel, payload: Payload) -> Iterator[Measure
 
 
 def test_a_payload_is_identified_from_a_recording(
-    measuring: FrameMeasuring, robot: BaseRobotModel, motion: list[MeasuredMotion], tmp_path: Path
+    measuring: FrameMeasuring, robot: BaseRobotModel, tmp_path: Path
 ) -> None:
-    motion += recorded_motion(robot, Payload(60.0, np.array([0.05, -0.1, 0.25])))
-    recording = measuring.recording
+    motion = [*recorded_motion(robot, Payload(60.0, np.array([0.05, -0.1, 0.25])))]
+    recording = MotionRecording(lambda: motion.pop(0) if motion else None)
     recording.start()
     assert recording.running
     deadline = time.monotonic() + DEADLINE
@@ -146,7 +142,7 @@ def test_a_payload_is_identified_from_a_recording(
     recording.stop()
     assert not recording.running
     assert recording.duration == pytest.approx(7.99)
-    found = measuring.payload()
+    found = identify_payload(robot, recording.samples())
     assert found.payload.mass == pytest.approx(60.0, abs=0.3)
     file = tmp_path / 'frames.yaml'
     measuring.save_payload(file, 'gripper', found)

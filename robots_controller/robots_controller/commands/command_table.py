@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from robots_controller.commands import cell_arguments, tool_arguments
+from robots_controller.commands import cell_arguments, measure_arguments, tool_arguments
 from robots_controller.commands.command import Command
 
 CELL: Final = Command(
@@ -87,6 +87,13 @@ MOVEIT_CONFIG: Final = Command(
     tool_arguments.moveit_config_arguments,
     'robots_controller.commands.robot_commands:write_moveit_config',
 )
+MEASURE: Final = Command(
+    'measure',
+    'measures a tool or a base from taught points, or a payload from a recorded motion, and saves it by name',
+    measure_arguments.measure_arguments,
+    'robots_controller.measuring.measure:measure',
+    json=True,
+)
 EXPLAIN: Final = Command(
     'explain',
     'explains an error by its code, and what to do about it',
@@ -94,7 +101,7 @@ EXPLAIN: Final = Command(
     'robots_controller.commands.error_catalogue:explain',
 )
 
-ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, MOVEIT_CONFIG, EXPLAIN)
+ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, MOVEIT_CONFIG, MEASURE, EXPLAIN)
 """Commands that are there below `robots` alone."""
 TOOLS: Final = (CELL, SIMULATE, CHECK_PROGRAM, REPORT, STUDY, CHECK_BAG, REPLAY_BAG, LUA_META)
 """Commands that have executables of their own too."""

@@ -14,8 +14,9 @@ from robots_controller.client.cell_services import CellServices
 from robots_controller.nodes.commanded_motions import STOP, commanded_motions
 from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.program.motion_command import MotionCommand
-from robots_core.errors import CommandRefusedError, PlanningError, RobotsError
+from robots_core.errors import CommandRefusedError, RobotsError
 from robots_core.ros.robot_node import RobotNode
+from robots_planning.motion_settings import PENDANT, PENDANT_SETTINGS
 
 TAKE: Final = 'controller_node/commander/pendant'
 STANDING_TIME: Final = 1.0  # s, in which a jog before has ended
@@ -23,43 +24,20 @@ WATCH_PERIOD: Final = 0.1  # s
 Done = Callable[[RobotsError | None], None]
 
 
-class BorrowedPlanner(PlannerClient):
-    """A planner whose settings belong to the program: after each motion they are as they were before it."""
+class PendantPlanner(PlannerClient):
+    """A planner with settings for motions of the pendant alone; those of programs are not touched."""
 
-    def __init__(self, node: RobotNode) -> None:
-        super().__init__(node, node.robot.axes_data.names)
-        self._pending = 0
-        self._restoring = False
-        self._next: Callable[[], None] | None = None
+    def differs(self, settings: Mapping[str, object]) -> bool:
+        """See `PlannerPort`."""
+        return super().differs(_of_pendant(settings))
 
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
         """See `PlannerPort`."""
-        self._pending += 1
-        super().configure(settings, partial(self._configured, done), moving=moving)
+        super().configure(_of_pendant(settings), done, moving=moving)
 
-    def restore(self) -> None:
-        """Take the settings back, as soon as the planner has answered what it was asked before."""
-        self._restoring = True
-        self._go_on()
 
-    def when_restored(self, then: Callable[[], None]) -> None:
-        """Call once no settings are on their way back; only the last one that is given here."""
-        self._next = then
-        self._go_on()
-
-    def _configured(self, done: Configured, error: PlanningError | None) -> None:
-        self._pending -= 1
-        done(error)
-        self._go_on()
-
-    def _go_on(self) -> None:
-        if self._restoring and self._pending == 0:
-            self._restoring = False
-            if self.differs({}):
-                self.configure({}, lambda _: self.forget(), moving=False)
-        if not self._restoring and self._pending == 0 and self._next is not None:
-            then, self._next = self._next, None
-            then()
+def _of_pendant(settings: Mapping[str, object]) -> dict[str, object]:
+    return {f'{PENDANT}{name}': settings[name] for name in PENDANT_SETTINGS}
 
 
 class PendantMoves:
@@ -75,11 +53,11 @@ class PendantMoves:
 
     def __init__(self, node: RobotNode, services: CellServices) -> None:
         self._services = services
-        self._planner = BorrowedPlanner(node)
+        planner = PendantPlanner(node, node.robot.axes_data.names)
         self._lock = threading.Lock()
         self._running: tuple[MotionCommand, Done] | None = None
         self._motions = commanded_motions(
-            node, self._planner, services.send, self._on_result, patience=services.patience
+            node, planner, services.send, self._on_result, patience=services.patience
         )
         node.create_timer(WATCH_PERIOD, self._watch)
         self._now, self._begun = node.now, 0.0
@@ -103,14 +81,13 @@ class PendantMoves:
             running, self._running = self._running, None
         if running is not None:
             self._motions.stop()
-        self._planner.restore()
         self._services.send(TAKE, SetBool, SetBool.Request(data=False))
 
     def _taken(self, command: MotionCommand, answer: Any) -> None:
         if not self._is_current(command):  # released meanwhile
             return
         if answer.success:
-            self._planner.when_restored(partial(self._send, command))
+            self._motions.send(command)
         elif self._now() - self._begun < STANDING_TIME:
             self._waiting = True
         else:
@@ -122,10 +99,6 @@ class PendantMoves:
         if self._waiting and running is not None:
             self._waiting = False
             self._take(running[0])
-
-    def _send(self, command: MotionCommand) -> None:
-        if self._is_current(command):
-            self._motions.send(command)
 
     def _is_current(self, command: MotionCommand) -> bool:
         with self._lock:

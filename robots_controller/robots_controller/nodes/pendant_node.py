@@ -38,6 +38,7 @@ class PendantNode(RobotNode):
     """
 
     takes_part = False  # a person does not hold time
+    alone = True  # two would give the robot to two people
 
     def __init__(self, **options: Any) -> None:
         super().__init__('pendant_node', **options)
@@ -91,6 +92,7 @@ class PendantNode(RobotNode):
             access=access,
             told=self.journal.warning,
             report=self.operator.recording.report,
+            scene=lambda: self.operator.state.scene_url,
         )
 
     @property

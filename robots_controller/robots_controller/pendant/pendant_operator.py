@@ -14,8 +14,8 @@ import numpy as np
 
 from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
 from robots_controller.io.io_image import Channel
+from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.frame_measuring import FrameMeasuring
 from robots_controller.pendant.held_button import HeldButton, standing
 from robots_controller.pendant.jog_outlook import Ahead, JogOutlook
 from robots_controller.pendant.message_log import MessageLog
@@ -81,7 +81,9 @@ class PendantOperator:
         self.teaching: Final = Teaching(robot)
         self.trends: Final = Trends(robot.axes_data)
         self.recording: Final = recording or Recording(Path('out'), robot.name)
-        self.measuring: Final = FrameMeasuring(robot, MotionRecording(port.feedback))
+        self.measuring: Final = FrameMeasuring(robot)
+        self.motion: Final = MotionRecording(port.feedback)
+        """For the payload."""
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()

@@ -34,7 +34,11 @@ def save_program(history: FileHistory, path: Path, before: str, after: str) -> N
         ProgramError: somebody else has changed the file since, or it cannot be written.
     """
     if read_text(path, WHAT) != before:
-        raise ProgramError('changed by another one while it was edited; it stays as it is', file=path.name)
+        raise ProgramError(
+            'changed by another one while it was edited; it stays as it is',
+            file=path.name,
+            key='changed_since',
+        )
     history.change({path: after})
 
 

@@ -47,7 +47,9 @@ class Recording:
         """
         with self._lock:
             if self.bag:
-                raise NotNowError(f'{self.bag} is recorded already; end it first')
+                raise NotNowError(
+                    f'{self.bag} is recorded already; end it first', key='recorded', bag=str(self.bag)
+                )
             path = self._folder / f'recorded_{time.strftime("%Y%m%d-%H%M%S")}' / 'bag'
             try:
                 path.parent.mkdir(parents=True)
@@ -87,7 +89,11 @@ class Recording:
         """
         bags = [path.parent for path in self._folder.glob(f'*/bag/{METADATA}')]
         if not bags:
-            raise BagError(f'there is no bag in {self._folder}; record one, or start cell with --record')
+            raise BagError(
+                f'there is no bag in {self._folder}; record one, or start cell with --record',
+                key='none',
+                folder=str(self._folder),
+            )
         newest = max(bags, key=lambda bag: max(file.stat().st_mtime for file in bag.iterdir()))
         with tempfile.TemporaryDirectory() as temporary:
             page = Path(temporary) / 'report.html'

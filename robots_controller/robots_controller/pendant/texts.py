@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final
@@ -10,11 +12,19 @@ from typing import Any, Final
 import yaml
 
 from robots_controller.pendant.permissions import NotPermittedError
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 
 LANGUAGES: Final[Mapping[str, str]] = {'en': 'English', 'de': 'Deutsch'}
 """Names by code; each has its file in `texts`."""
 DEFAULT: Final = 'en'
+SHOWN_UNITS: Final[Mapping[str, tuple[float, int]]] = {
+    'mm': (1e3, 2),
+    'kg': (1.0, 3),
+    's': (1.0, 1),
+    '%': (100.0, 0),
+    '°': (math.degrees(1.0), 1),
+}
+"""Of quantities in SI: the factor, and digits behind the point."""
 
 
 class Texts:
@@ -31,11 +41,41 @@ class Texts:
         """The text of a key with its values."""
         return self.texts[key].format(**values)
 
-    def error(self, error: Exception) -> str:
-        """What an error says: reasons of the page in its language, those of nodes as they are."""
+    def error(self, error: RobotsError) -> str:
+        """What an error says in this language; in English where there is no text for its key or code."""
         if isinstance(error, NotPermittedError):
             return self(f'reasons.{error.reason.key}', **error.reason.values)
+        for key in (f'errors.{error.code}_{error.details.get("key")}', f'errors.{error.code}'):
+            if (text := self.texts.get(key)) is not None:
+                with suppress(KeyError):  # a node of another version may send other facts
+                    return f'{_place(error)}{text.format(message=error.message, **_facts(error))}'
         return str(error)
+
+
+class _Fact:
+    """A detail of an error, which a text shows in the unit that it names: `{residual:mm}`."""
+
+    def __init__(self, value: str | float, unit: str | float) -> None:
+        self._value, self._unit = value, unit
+
+    def __format__(self, shown: str) -> str:
+        if not shown:
+            return str(self._value)
+        if shown == 'axis':  # turns or slides
+            shown = '°' if self._unit == 'rad' else 'mm'
+        scale, digits = SHOWN_UNITS[shown]
+        return f'{scale * float(self._value):.{digits}f}{"" if shown == "°" else " "}{shown}'
+
+
+def _facts(error: RobotsError) -> dict[str, _Fact]:
+    unit = error.details.get('unit', '')
+    return {name: _Fact(value, unit) for name, value in error.details.items()}
+
+
+def _place(error: RobotsError) -> str:
+    if not isinstance(error, ProgramError) or not error.file:
+        return ''
+    return f'{error.file}:{error.line}: ' if error.line else f'{error.file}: '
 
 
 @cache

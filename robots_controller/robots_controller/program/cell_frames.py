@@ -102,7 +102,12 @@ def check_frame(path: Path, kind: FrameKind, name: str) -> CellFrames:
     if name not in known:
         where = path.name if path.exists() else f'{path.name}, which does not exist'
         named = ', '.join(known) or 'none'
-        raise ProgramError(f'no {kind} is named {name!r} in {where}; {kind}s are {named}')
+        raise ProgramError(
+            f'no {kind} is named {name!r} in {where}; {kind}s are {named}',
+            key=f'unknown_{kind}',
+            name=name,
+            known=named,
+        )
     return frames
 
 
@@ -132,7 +137,9 @@ def checked_name(name: str, kind: FrameKind) -> str:
         InvalidInputError: it is empty.
     """
     if not name.strip():
-        raise InvalidInputError(f"the name of the {kind} is empty; valid is a text, such as 'gripper'")
+        raise InvalidInputError(
+            f"the name of the {kind} is empty; valid is a text, such as 'gripper'", key=f'unnamed_{kind}'
+        )
     return name.strip()
 
 

@@ -59,11 +59,13 @@ class FileHistory:
             ProgramError: there is none, or somebody else has changed a file since; nothing is changed then.
         """
         if not self._changes:
-            raise ProgramError('there is nothing to undo')
+            raise ProgramError('there is nothing to undo', key='nothing_to_undo')
         changes = self._changes[-1]
         for change in changes:
             if _text(change.path) != change.after:
-                raise ProgramError('changed since; it stays as it is', file=change.path.name)
+                raise ProgramError(
+                    'changed since; it stays as it is', file=change.path.name, key='changed_since'
+                )
         self._changes.pop()
         for change in changes:
             _take_back(change)

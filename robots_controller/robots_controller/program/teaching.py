@@ -82,7 +82,9 @@ class Teaching:
         known = self.points(points_file)
         for name in names[:-1]:
             if name not in known:
-                raise ProgramError(f'no point is named {name!r}; the arc needs one to pass')
+                raise ProgramError(
+                    f'no point is named {name!r}; the arc needs one to pass', key='arc_passes_none', name=name
+                )
         lines = read_text(program, 'program').split('\n')
         if not 0 <= line <= len(lines):
             raise InvalidInputError(f'line = {line} must be in [0, {len(lines)}] of {program.name}')
@@ -94,7 +96,9 @@ class Teaching:
 
     def _taught(self, points_file: Path, name: str, q: Array) -> dict[Path, str]:
         if not name.strip():
-            raise InvalidInputError('the name of the point is empty; valid is a text, such as P1')
+            raise InvalidInputError(
+                'the name of the point is empty; valid is a text, such as P1', key='unnamed_point'
+            )
         points = self.points(points_file)
         points[name] = TaughtPoint(read_only(q), Pose(*self._robot.direct_kinematics(q)))
         return {points_file: points_text(points)}

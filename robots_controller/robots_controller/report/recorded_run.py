@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.joint_rows import JointRows, joint_rows, late_references
 from robots_controller.recording.motion_record import (
     MOTION_TOPICS,
@@ -15,8 +15,9 @@ from robots_controller.recording.motion_record import (
     recorded_motions,
     status_values,
 )
+from robots_controller.recording.recorded_robot import recorded_robot
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
-from robots_core.errors import BagError, InvalidInputError
+from robots_core.errors import BagError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -123,7 +124,7 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     if f'{prefix}joint_states' not in {topic for topic, _, _ in recorded.messages}:
         there = ', '.join(sorted(recorded.topics)) or 'nothing'
         raise BagError(f'{bag} holds no {prefix}joint_states; a report needs them. It holds {there}')
-    model = load_robot_model(robot or _robot_name(recorded, messages))
+    model = load_robot_model(robot or recorded_robot(recorded, messages))
     references, states = (
         joint_rows(recorded, prefix + topic, model) for topic in ('joint_reference', 'joint_states')
     )
@@ -165,16 +166,6 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
         program_state=last.get('state', UNKNOWN_STATE),
         program_error=last.get('error', ''),
         problem=problem,
-    )
-
-
-def _robot_name(bag: Bag, messages: Mapping[str, Sequence[tuple[int, Any]]]) -> str:
-    for topic in ('program_status', 'motion_result'):
-        for _, message in messages[topic]:
-            if message.hardware_id:
-                return str(message.hardware_id)
-    raise InvalidInputError(
-        f'{bag.path} does not say which robot it was recorded with; name it: --robot NAME'
     )
 
 

@@ -1,7 +1,7 @@
 """Heartbeats: a process that dies or freezes is noticed by the nodes that depend on it."""
 
 import math
-import secrets
+import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -23,7 +23,7 @@ PERIOD: Final = 0.04  # s
 class Heartbeat:
     """Publishes `~/heartbeat` from a thread of its own: callbacks that take long do not hold it up.
 
-    Its number is that of the process: one that was restarted has another.
+    Its number is the time when it began: a process that was restarted has another.
 
     In simulated time none is needed: lock-step misses a lost process by itself.
 
@@ -33,8 +33,10 @@ class Heartbeat:
 
     def __init__(self, node: TimedNode) -> None:
         self._node = node
+        self.began: Final = time.time_ns()
+        """On the clock of the system, which machines share."""
         self._publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
-        self._message = serialize_message(UInt64(data=secrets.randbits(64)))
+        self._message = serialize_message(UInt64(data=self.began))
         self._last = math.inf
         self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
         self._thread.start()

@@ -20,6 +20,7 @@ from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.interrupt import interrupt
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.middleware import choose_transports
+from robots_core.ros.namesake_watch import NamesakeWatch
 from robots_core.ros.node_help import asks_for_help, check_parameter_names, help_text
 from robots_core.ros.timed_node import TimedNode
 
@@ -45,8 +46,9 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
         args: Command line; `sys.argv` by default.
 
     Returns:
-        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured. Nodes that have not
-        ended after `END_DEADLINE` end the process with 1 and the stacks of all threads.
+        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured, or beside
+        another one of its name. Nodes that have not ended after `END_DEADLINE` end the process with 1 and the
+        stacks of all threads.
     """
     # A process that ends need not look through all that it has loaded: that takes half a second.
     atexit.register(gc.freeze)
@@ -72,7 +74,11 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             executor = LeanExecutor()
             for node in nodes:
                 executor.add_node(node)
-            heartbeats = [Heartbeat(node) for node in nodes if not node.simulated_time]
+            for node in nodes:
+                if not node.simulated_time:
+                    heartbeats.append(Heartbeat(node))
+                    if node.alone:
+                        NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node
             together = _reported_together(nodes)
             while nodes[0].context.ok() and not stopping.is_set():

@@ -37,6 +37,8 @@ class TimedNode(Node):
     """When in an instant of a lock-step run the loops and timers have their turn."""
     takes_part: ClassVar = True
     """Parameter `lockstep` has an effect."""
+    alone: ClassVar = False
+    """Where another node has its name already, `run` ends it."""
     participant: Participant | None = None
     """The part in a lock-step run; None without."""
 

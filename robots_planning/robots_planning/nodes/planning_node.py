@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
@@ -45,7 +46,15 @@ from robots_core.ros.run import run
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
-from robots_planning.motion_settings import DESCRIPTIONS, RANGES, MotionSettings, checked, settings_as_text
+from robots_planning.motion_settings import (
+    DESCRIPTIONS,
+    PENDANT,
+    PENDANT_SETTINGS,
+    RANGES,
+    MotionSettings,
+    checked,
+    settings_as_text,
+)
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
@@ -85,6 +94,7 @@ class PlanningNode(RobotNode):
         planning.warm_up()
         self.planner = MotionPlanner(planning, self)
         self.planner.configure(self._settings())
+        self._pendant = self._pendant_settings()
         self._progress: Subscription | None = None
         self._use_new_command(
             self.parameter(
@@ -150,13 +160,13 @@ class PlanningNode(RobotNode):
         default = MotionSettings()
         for name, text in DESCRIPTIONS.items():
             value = getattr(default, name)
-            self.parameter(
-                name,
-                list(value) if isinstance(value, tuple) else value,
-                text,
-                bounds=RANGES[name][:2] if name in RANGES else None,
-                read=checked(name),
-            )
+            self._declare_setting(name, list(value) if isinstance(value, tuple) else value, text)
+        for name, value in PENDANT_SETTINGS.items():
+            self._declare_setting(name, value, f'{DESCRIPTIONS[name]}; of the pendant', PENDANT)
+
+    def _declare_setting(self, name: str, value: Any, text: str, prefix: str = '') -> None:
+        bounds = RANGES[name][:2] if name in RANGES else None
+        self.parameter(f'{prefix}{name}', value, text, bounds=bounds, read=checked(name))
 
     def _subscribe(self) -> None:
         readers = {'joints': self._joints, 'pose': self._pose, 'poses': self._poses}
@@ -197,15 +207,19 @@ class PlanningNode(RobotNode):
         id_: str,
         sender: str,
     ) -> None:
+        commander = self._commanders.of_node(sender)
         try:
-            self._commanders.check(self._commanders.of_node(sender))
+            self._commanders.check(commander)
             target = read(message)
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
             return
         if self.planner.moving and not self._controllers <= self._reference_publishers():
             self.planner.forget()
-        if not self.planner.command(id_, kind, target, self.planner.settings):
+        settings = self.planner.settings
+        if commander is Commander.PENDANT:
+            settings = replace(settings, **self._pendant, blend_zone=0.0, joint_blend_zone=0.0)
+        if not self.planner.command(id_, kind, target, settings):
             self.journal.warning(f'{kind.title}: command {id_} came twice, the second is ignored')
 
     def _joints(self, message: JointState) -> Target:
@@ -232,6 +246,9 @@ class PlanningNode(RobotNode):
         values: dict[str, Any] = {name: self.get_parameter(name).value for name in DESCRIPTIONS}
         return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base', 'payload')})
 
+    def _pendant_settings(self) -> dict[str, Any]:
+        return {name: self.get_parameter(f'{PENDANT}{name}').value for name in PENDANT_SETTINGS}
+
     def _on_settings(self, parameters: list[Parameter]) -> None:
         self._inbox.deliver_all()  # what came before, for which the settings before hold
         for parameter in parameters:
@@ -242,6 +259,7 @@ class PlanningNode(RobotNode):
         settings = self._settings()
         self._jogging.jogging.use_tool(settings.tool_pose, settings.hold)
         self.planner.configure(settings)
+        self._pendant = self._pendant_settings()
         if any(parameter.name in DESCRIPTIONS for parameter in parameters):
             self._publish_settings()
 

@@ -12,12 +12,19 @@ from robots_controller.pendant.page_access import THIS_MACHINE
 LOCAL_NAMES: Final = frozenset({'127.0.0.1', 'localhost', '[::1]'})
 """How a browser on this machine addresses the page."""
 EVERY_ADDRESS: Final = frozenset({'0.0.0.0', '::'})  # noqa: S104  # not listened at, compared
+SCENE: Final = '/scene'
+"""Where the 3D view is, see `SceneProxy`: the page itself shows it in a frame."""
 HEADERS: Final = (
     (b'content-security-policy', b"frame-ancestors 'none'"),
     (b'x-frame-options', b'DENY'),
     (b'referrer-policy', b'same-origin'),
 )
 """No other page may show this one in a frame, where a person would press what they do not see."""
+SCENE_HEADERS: Final = (
+    (b'content-security-policy', b"frame-ancestors 'self'"),
+    (b'x-frame-options', b'SAMEORIGIN'),
+    (b'referrer-policy', b'same-origin'),
+)
 
 REFUSAL: Final = 'refused: this page takes requests from itself alone, by a name of this machine\n'
 
@@ -80,9 +87,11 @@ class OriginGuard:
             await refuse(REFUSAL, websocket=websocket, receive=receive, send=send)
             return
 
+        own = SCENE_HEADERS if scope.get('path', '').startswith(f'{SCENE}/') else HEADERS
+
         async def send_with_headers(message: Message) -> None:
             if message['type'] == 'http.response.start':
-                message['headers'] = [*message.get('headers', ()), *HEADERS]
+                message['headers'] = [*message.get('headers', ()), *own]
             await send(message)
 
         await self.app(scope, receive, send_with_headers)

@@ -16,6 +16,7 @@ from nicegui import ui
 
 from robots_controller.pendant.page.origin_guard import EVERY_ADDRESS, App, OriginGuard
 from robots_controller.pendant.page.password_guard import PasswordGuard
+from robots_controller.pendant.page.scene_proxy import SceneProxy
 from robots_controller.pendant.page.trend_panel import REPORT
 from robots_controller.pendant.page_access import PageAccess
 from robots_core.errors import InstallationError, RobotsError
@@ -45,6 +46,7 @@ class PageServer:
         access: Where it is served, and to whom; by default on this machine alone.
         told: Gets who has given a wrong password, in the thread of the page.
         report: Makes the page of the report of the last run.
+        scene: Gives the address of the 3D view on this machine; '' for none.
 
     Raises:
         InvalidInputError: a port outside 0..65535, or an address that is none of this machine.
@@ -60,11 +62,12 @@ class PageServer:
         access: PageAccess | None = None,
         told: Callable[[str], object] = print,
         report: Callable[[], str] = str,
+        scene: Callable[[], str] = str,
     ) -> None:
         access = access or PageAccess()
         self._host, self._port = access.host, free_port(access.host, port)
         _Served.report = report
-        app: App = _application(build, title)
+        app: App = SceneProxy(_application(build, title), scene)
         if access.password:
             app = PasswordGuard(app, access.password, title=title, told=told)
         config = uvicorn.Config(
@@ -72,6 +75,7 @@ class PageServer:
             self._host,
             self._port,
             log_level='warning',
+            ws_per_message_deflate=False,  # the 3D view is compressed already
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)

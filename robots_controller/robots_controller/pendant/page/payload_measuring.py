@@ -7,12 +7,12 @@ from pathlib import Path
 
 from nicegui import ui
 
+from robots_controller.measuring.shown_numbers import millimetres
 from robots_controller.pendant.page.saved_frame import SavedFrame
-from robots_controller.pendant.page.shown_numbers import millimetres
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
-from robots_core.blocks.calibration.payload_identification import IdentifiedPayload
+from robots_core.blocks.calibration.payload_identification import IdentifiedPayload, identify_payload
 
 
 class PayloadMeasuring:
@@ -50,7 +50,7 @@ class PayloadMeasuring:
             viewer.operator.desk.check(viewer.id)
             if viewer.operator.state.torque is None:
                 raise NotPermittedError(Reason('no_torque'))
-            viewer.operator.measuring.recording.start()
+            viewer.operator.motion.start()
 
         if await viewer.do(self._line, work):
             self._show(None)
@@ -60,11 +60,11 @@ class PayloadMeasuring:
 
         def work() -> None:
             viewer.operator.desk.check(viewer.id)
-            measuring = viewer.operator.measuring
-            measuring.recording.stop()
-            if not measuring.recording.duration:
+            operator, motion = viewer.operator, viewer.operator.motion
+            motion.stop()
+            if not motion.duration:
                 raise NotPermittedError(Reason('none_recorded'))
-            found.append(measuring.payload())
+            found.append(identify_payload(operator.robot, motion.samples()))
 
         await viewer.do(self._line, work)
         self._show(found[0] if found else None)
@@ -93,7 +93,7 @@ class PayloadMeasuring:
         for button in self._buttons:
             button.refresh()
         self._saved.refresh()
-        recording, text = self._viewer.operator.measuring.recording, self._viewer.texts
+        recording, text = self._viewer.operator.motion, self._viewer.texts
         self._duration.set_text(text('frames.recorded', duration=f'{recording.duration:.0f}'))
         self._duration.classes(
             add='recording' if recording.running else '', remove='' if recording.running else 'recording'

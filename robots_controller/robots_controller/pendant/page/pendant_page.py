@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
 from fastapi import Request
-from nicegui import Client, ui
+from nicegui import ui
 from nicegui.events import GenericEventArguments
 
 from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
@@ -16,6 +18,7 @@ from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
+from robots_controller.pendant.page.origin_guard import SCENE
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.trend_panel import TrendPanel
@@ -27,6 +30,7 @@ from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_
 from robots_core.errors import RobotsError
 
 PERIOD: Final = 0.1  # s between two refreshes
+GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
 TABS: Final = {
@@ -49,7 +53,7 @@ class PendantPage:
     """
 
     def __init__(self, operator: PendantOperator, folder: Path, request: Request) -> None:
-        client: Client = ui.context.client
+        self._client = client = ui.context.client
         chosen = request.cookies.get(LANGUAGE_COOKIE, '')
         language = (
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
@@ -63,22 +67,19 @@ class PendantPage:
         ui.add_head_html(f'<style>{_asset("pendant.css")}</style><script>{_asset("pendant.js")}</script>')
         client.content.classes('page')
         self._scene_url, self._host = '', request.headers.get('host', '')
-        # The 3D view is served on the robot's machine alone.
-        self._has_scene = is_this_machine(self._host.rpartition(':')[0])
         with client.content:
             self._bar = TopBar(viewer)
             ui.element('div').props('id=tooltips')
             with ui.element('main').classes('work'):
                 with ui.element('div').classes('scene'):
-                    reason = 'no_scene' if self._has_scene else 'scene_elsewhere'
-                    self._no_scene = ui.label(viewer.texts(f'bar.{reason}')).classes('hint')
+                    self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
                     self._scene = ui.element('iframe').props('title=3D')
                     self._scene.set_visibility(False)
                 with ui.element('section').classes('side'):
                     self._build_panels(folder)
         ui.on('pendant_hold', self._hold)
         ui.on('pendant_release', self._release)
-        client.on_disconnect(lambda: operator.release(viewer.id))
+        client.on_disconnect(self._on_disconnect)
         client.on_delete(lambda: operator.give_back_control(viewer.id))
         self.refresh()
         ui.timer(PERIOD, self._refresh_with_scene)
@@ -137,6 +138,13 @@ class PendantPage:
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
 
+    async def _on_disconnect(self) -> None:
+        """Release at once; a page that does not come back soon was closed, and gives control back."""
+        self._release()
+        await asyncio.sleep(GONE_AFTER)
+        if not self._client.has_socket_connection:
+            self._operator.give_back_control(self._viewer.id)
+
     # -- what is shown ------------------------------------------------------------------------------------
 
     def refresh(self) -> None:
@@ -152,9 +160,9 @@ class PendantPage:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
         self.refresh()
         state = self._operator.state
-        if self._has_scene and state.scene_url != self._scene_url:
+        if state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
-            self._scene.props(f'src="{_of_another_site(state.scene_url, self._host)}"')
+            self._scene.props(f'src="{_scene_source(state.scene_url, self._host)}"')
             self._scene.set_visibility(bool(state.scene_url))
             self._no_scene.set_visibility(not state.scene_url)
 
@@ -165,11 +173,14 @@ def _press(arguments: Any) -> tuple[int, str]:
     return (number, key) if isinstance(number, int) and isinstance(key, str) else (0, '')
 
 
-def _of_another_site(url: str, host: str) -> str:
-    """The address of the 3D view by another name of this machine than that of the page.
+def _scene_source(url: str, host: str) -> str:
+    """Where a browser gets the 3D view: through the page's own server, or on this machine directly.
 
-    A browser then gives it a process of its own: drawing it does not delay the signs of a held button.
+    Directly it has another name of this machine than the page has. A browser then gives it a process of its
+    own: drawing it does not delay the signs of a held button.
     """
+    if not is_this_machine(host.rpartition(':')[0]):
+        return f'{SCENE}/' if url else ''
     return url.replace('127.0.0.1', 'localhost') if host.startswith('127.0.0.1') else url
 
 

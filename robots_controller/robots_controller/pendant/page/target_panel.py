@@ -126,7 +126,9 @@ class TargetPanel:
     @staticmethod
     def _si(field: ui.number, factor: float) -> float:
         if field.value is None:
-            raise InvalidInputError(f'{field.label} is empty; valid is a number')
+            raise InvalidInputError(
+                f'{field.label} is empty; valid is a number', key='empty_field', field=str(field.label)
+            )
         return float(field.value) / factor
 
     def refresh(self, state: PendantState) -> None:

@@ -8,9 +8,9 @@ from typing import Final
 
 from nicegui import ui
 
-from robots_controller.pendant.frame_measuring import NEEDED
+from robots_controller.measuring.frame_measuring import NEEDED
+from robots_controller.measuring.shown_numbers import degrees, millimetres
 from robots_controller.pendant.page.saved_frame import SavedFrame
-from robots_controller.pendant.page.shown_numbers import degrees, millimetres
 from robots_controller.pendant.page.touched_points import TouchedPoints
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState

@@ -8,8 +8,8 @@ from typing import Final
 
 from nicegui import ui
 
-from robots_controller.pendant.frame_measuring import NEEDED
-from robots_controller.pendant.frame_measuring import Sequence as Kind
+from robots_controller.measuring.frame_measuring import NEEDED
+from robots_controller.measuring.frame_measuring import Sequence as Kind
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 

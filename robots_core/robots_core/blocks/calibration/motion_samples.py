@@ -75,7 +75,12 @@ class MotionSamples:
         if not samples:
             raise MeasurementError(
                 f'{len(t)} values in {t[-1] - t[0]:.3g} s are no recording of a motion; needed are '
-                f'{FEWEST_IN_WINDOW} in {window:g} s'
+                f'{FEWEST_IN_WINDOW} in {window:g} s',
+                key='no_motion',
+                count=len(t),
+                duration=float(t[-1] - t[0]),
+                fewest=FEWEST_IN_WINDOW,
+                window=window,
             )
         return cls(*np.moveaxis(np.array(samples), 1, 0))
 

@@ -77,7 +77,10 @@ def identify_payload(robot: BaseRobotModel, samples: MotionSamples) -> Identifie
     if moves.sum() <= 4 * A.shape[2]:
         raise MeasurementError(
             f'the axes move in {int(moves.sum())} values of the recording, which is too short; needed are '
-            f'over {4 * A.shape[2]}: move several axes in both directions'
+            f'over {4 * A.shape[2]}: move several axes in both directions',
+            key='short_motion',
+            count=int(moves.sum()),
+            fewest=4 * A.shape[2],
         )
     x, covariance, errors = _solve(A, rest, moves, NOISE * robot.axes_data.effort)
     return _checked(x, covariance, errors)
@@ -144,7 +147,10 @@ def _checked(x: Array, covariance: Array, errors: Array) -> IdentifiedPayload:
         raise MeasurementError(
             f'the mass {mass:.3g} kg with a standard deviation of {mass_std:.2g} kg cannot be distinguished '
             'from 0: nothing is carried, or the motion excites it too little; move axes that lift it, in '
-            'both directions'
+            'both directions',
+            key='no_mass',
+            mass=mass,
+            std=mass_std,
         )
     center = x[1:4] / mass
     # d(center) = (d(moments) - center d(mass)) / mass
@@ -155,14 +161,22 @@ def _checked(x: Array, covariance: Array, errors: Array) -> IdentifiedPayload:
     if mass_std > LARGEST_MASS_ERROR * mass:
         raise MeasurementError(
             f'the mass {mass:.3g} kg has a standard deviation of {mass_std:.2g} kg; valid is at most '
-            f'{100.0 * LARGEST_MASS_ERROR:g} %: move axes that lift it further, in both directions'
+            f'{100.0 * LARGEST_MASS_ERROR:g} %: move axes that lift it further, in both directions',
+            key='uncertain_mass',
+            mass=mass,
+            std=mass_std,
+            bound=LARGEST_MASS_ERROR,
         )
     if worst > LARGEST_CENTER_ERROR:
         direction = 'xyz'[int(np.abs(np.linalg.eigh(found[1:, 1:])[1][:, -1]).argmax())]
         raise MeasurementError(
             f'the centre of mass has a standard deviation of {1e3 * worst:.0f} mm, most along {direction} of '
             f'tool0; valid is at most {1e3 * LARGEST_CENTER_ERROR:g} mm: turn the last axes further, in both '
-            f'directions, so that {direction} of tool0 is level and then upright'
+            f'directions, so that {direction} of tool0 is level and then upright',
+            key='uncertain_center',
+            std=worst,
+            direction=direction,
+            bound=LARGEST_CENTER_ERROR,
         )
     payload = Payload(mass, read_only(center))
     return IdentifiedPayload(payload, read_only(found), read_only(errors))

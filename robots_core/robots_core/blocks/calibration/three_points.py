@@ -83,7 +83,11 @@ def _orientation(along: Array, across: Array, axis: Axis, shortest: float) -> Ar
         raise MeasurementError(
             f'the point on the {axis} axis is {1e3 * length:.1f} mm from the origin; valid is at least '
             f'{1e3 * shortest:g} mm',
+            key='near_origin',
             index=0,
+            axis=axis,
+            distance=length,
+            bound=shortest,
         )
     unit = along / length
     rest = across - (across @ unit) * unit
@@ -92,7 +96,11 @@ def _orientation(along: Array, across: Array, axis: Axis, shortest: float) -> Ar
         raise MeasurementError(
             f'the point in the plane is {1e3 * distance:.1f} mm from the {axis} axis; valid is at least '
             f'{1e3 * shortest:g} mm',
+            key='near_axis',
             index=1,
+            axis=axis,
+            distance=distance,
+            bound=shortest,
         )
     T = np.empty((3, 3))
     T[:, first] = -unit if axis.startswith('-') else unit

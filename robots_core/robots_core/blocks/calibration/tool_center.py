@@ -58,7 +58,10 @@ def measure_tool_center(poses: Sequence[Pose], *, largest_residual: float = LARG
     if len(poses) < FEWEST_POSES:
         raise MeasurementError(
             f'{len(poses)} points; the tool centre point needs at least {FEWEST_POSES}, each with another '
-            'orientation of the flange'
+            'orientation of the flange',
+            key='few_points',
+            count=len(poses),
+            fewest=FEWEST_POSES,
         )
     r, T = np.array([pose.r for pose in poses]), np.array([pose.T for pose in poses])
     turned = T - T.mean(axis=0)
@@ -68,7 +71,9 @@ def measure_tool_center(poses: Sequence[Pose], *, largest_residual: float = LARG
         raise MeasurementError(
             f'the orientations of the points differ too little: along {_direction(directions[:, 0])} of '
             f'tool0 the tool centre point would have over {LARGEST_GAIN:g} times the error of a touch; turn '
-            'the flange further between points, about axes across this one'
+            'the flange further between points, about axes across this one',
+            key='turned_too_little',
+            direction=_direction(directions[:, 0]),
         )
     center, touched = _fit(r, T)
     residuals = _distances(r, T, center, touched)
@@ -78,8 +83,11 @@ def measure_tool_center(poses: Sequence[Pose], *, largest_residual: float = LARG
         raise MeasurementError(
             f'the points do not meet: the largest residual is {1e3 * residuals.max():.2f} mm, valid is at '
             f'most {1e3 * largest_residual:g} mm; point {worst + 1} fits the others least, touch it again',
+            key='points_apart',
             index=worst,
+            point=worst + 1,
             residual=float(residuals.max()),
+            bound=largest_residual,
         )
     std = rms * np.sqrt(np.diag(np.linalg.inv(information)))
     return ToolCenter(read_only(center), read_only(touched), read_only(residuals), read_only(std))

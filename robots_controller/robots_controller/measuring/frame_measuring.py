@@ -1,11 +1,10 @@
-"""FrameMeasuring: tools, bases and payloads, measured in guided steps and saved by name."""
+"""FrameMeasuring: tools, bases and payloads, measured step by step and saved by name."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Final, Literal
 
-from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.program.cell_frames import (
     CellFrames,
     Tool,
@@ -14,7 +13,7 @@ from robots_controller.program.cell_frames import (
     read_frames,
 )
 from robots_controller.program.file_history import FileHistory
-from robots_core.blocks.calibration.payload_identification import IdentifiedPayload, identify_payload
+from robots_core.blocks.calibration.payload_identification import IdentifiedPayload
 from robots_core.blocks.calibration.three_points import Axis, measure_base, measure_tool_orientation
 from robots_core.blocks.calibration.tool_center import FEWEST_POSES, ToolCenter, measure_tool_center
 from robots_core.errors import MeasurementError
@@ -32,14 +31,12 @@ class FrameMeasuring:
 
     Args:
         robot: The robot.
-        recording: Of its motion, for the payload.
     """
 
-    def __init__(self, robot: BaseRobotModel, recording: MotionRecording) -> None:
+    def __init__(self, robot: BaseRobotModel) -> None:
         self._robot = robot
         self.points: Final[dict[Sequence, list[Pose]]] = {name: [] for name in NEEDED}
         """Poses of tool0 in the base frame, in their order."""
-        self.recording: Final = recording
         self.history: Final = FileHistory()
         """What can be undone."""
 
@@ -54,7 +51,11 @@ class FrameMeasuring:
             MeasurementError: there are all points already.
         """
         if sequence != 'tool' and self.complete(sequence):
-            raise MeasurementError(f'all {NEEDED[sequence]} points are touched; remove one to touch it again')
+            raise MeasurementError(
+                f'all {NEEDED[sequence]} points are touched; remove one to touch it again',
+                key='all_touched',
+                count=NEEDED[sequence],
+            )
         self.points[sequence].append(Pose(*self._robot.direct_kinematics(q)))
 
     def remove(self, sequence: Sequence, index: int) -> None:
@@ -93,7 +94,10 @@ class FrameMeasuring:
         if not points:
             return Pose(center.r, Pose.identity().T)
         if not self.complete('orientation'):
-            raise MeasurementError('the second point of the orientation is missing; touch it, or start again')
+            raise MeasurementError(
+                'the second point of the orientation is missing; touch it, or start again',
+                key='half_orientation',
+            )
         return measure_tool_orientation(center.r, center.touched, *points, axis=axis)
 
     def base(self, tool: Pose) -> Pose:
@@ -104,16 +108,13 @@ class FrameMeasuring:
         """
         points = self.points['base']
         if not self.complete('base'):
-            raise MeasurementError(f'{len(points)} of {NEEDED["base"]} points are touched')
+            raise MeasurementError(
+                f'{len(points)} of {NEEDED["base"]} points are touched',
+                key='some_touched',
+                count=len(points),
+                needed=NEEDED['base'],
+            )
         return measure_base(*((point @ tool).r for point in points))
-
-    def payload(self) -> IdentifiedPayload:
-        """The payload of the recorded motion.
-
-        Raises:
-            MeasurementError: see `identify_payload`.
-        """
-        return identify_payload(self._robot, self.recording.samples())
 
     # -- the file -----------------------------------------------------------------------------------------
 

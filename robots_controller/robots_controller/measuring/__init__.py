@@ -1,0 +1,1 @@
+"""Tools, bases and payloads of a cell, measured, and saved by name."""

@@ -1,0 +1,62 @@
+"""A page that is closed, or has lost its connection, has no control any more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from nicegui import Client
+from playwright.sync_api import Browser
+
+from robots_controller.pendant.page.page_server import RECONNECT_TIMEOUT
+from robots_controller.pendant.page.pendant_page import GONE_AFTER
+from robots_controller.pendant.pendant_operator import PendantOperator
+
+from .browser_page import browser, open_page, take_control, wait
+from .made_up_cell import made_up_operator, served
+
+
+@pytest.fixture(scope='module')
+def running() -> Iterator[Browser]:
+    with browser('--disable-gpu') as started:
+        yield started
+
+
+@pytest.fixture(scope='module')
+def served_cell() -> Iterator[tuple[PendantOperator, str]]:
+    operator, _ = made_up_operator()
+    with served(operator) as url:
+        yield operator, url
+
+
+def test_a_page_that_is_closed_gives_control_back_long_before_it_is_forgotten(
+    running: Browser, served_cell: tuple[PendantOperator, str]
+) -> None:
+    operator, url = served_cell
+    looking, closed = open_page(running, url), open_page(running, url)
+    take_control(closed)
+    holder = operator.desk.holder
+    closed.close()
+    wait(looking, lambda: not operator.desk.holder, 'control to be free')
+    assert holder in Client.instances  # a connection may still come back
+    assert GONE_AFTER <= 2.0 < RECONNECT_TIMEOUT
+    looking.get_by_text('Nobody operates').wait_for()
+    take_control(looking)
+    looking.close()
+
+
+def test_a_page_without_connection_has_no_control_when_it_comes_back(
+    running: Browser, served_cell: tuple[PendantOperator, str]
+) -> None:
+    operator, url = served_cell
+    page = open_page(running, url)
+    take_control(page)
+    holder = operator.desk.holder
+    page.evaluate('() => window.socket.disconnect()')
+    wait(page, lambda: not operator.desk.holder, 'control to be free')
+    page.evaluate('() => window.socket.connect()')
+    wait(page, lambda: Client.instances[holder].has_socket_connection, 'its connection')
+    page.get_by_text('Nobody operates').wait_for()
+    take_control(page)
+    assert operator.desk.holder == holder
+    page.close()
