@@ -16,7 +16,7 @@ from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
 from robots_controller.nodes.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status
-from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
@@ -43,9 +43,8 @@ class IoServices:
 
     Topics: `digital_inputs`, `analog_inputs` in; `digital_outputs`, `analog_outputs`, the inputs as the
     program reads them below the node's name, and `forced_inputs` out, all latched.
-    Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services, and
-    `~/digital_input_1/set` and so on. A channel's name with `.force` behind it stands for its forced value;
-    set to no value it releases the input.
+    Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services. A
+    channel's name with `.force` behind it stands for its forced value; set to no value it releases the input.
 
     Args:
         node: Owner of the topics and services.
@@ -67,9 +66,9 @@ class IoServices:
             )
             for name in IMAGES
         }
-        self._forced_publisher = node.create_publisher(DiagnosticStatus, 'forced_inputs', STATE)
+        self._forced_publisher = make_publisher(node, DiagnosticStatus, 'forced_inputs')
         for name in ('digital_inputs', 'analog_inputs'):
-            subscribe_state(node, image_message(name), name, partial(self._on_message, name))
+            subscribe(node, image_message(name), name, partial(self._on_message, name))
         for kind, name, serve in (
             (GetParameters, 'get_io', self._get),
             (SetParameters, 'set_io', self._set),

@@ -42,7 +42,7 @@ from robots_core.ros.messages import (
     diagnostic_status,
     motion_result_from_message,
 )
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import one_of
@@ -88,9 +88,9 @@ class LuaProgramNode(RobotNode):
             read=parse_fail_safe,
         )
         axes = self.robot.axes_data
-        self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
-        self._guide_publisher = self.create_publisher(String, 'guide', STATE)
-        self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
+        self._command_state_publisher = make_publisher(self, String, 'command_state')
+        self._guide_publisher = make_publisher(self, String, 'guide')
+        self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
         self._print_logger = self.journal.get_child('print')
         self._feedback = FeedbackClient(self, axes.names)
         self._planner = PlannerClient(self, axes.names)
@@ -135,7 +135,7 @@ class LuaProgramNode(RobotNode):
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
-        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
+        subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
         self._controller.report_to(self.host, self._changed)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
         self._watchdog = watchdog_parameter(self)

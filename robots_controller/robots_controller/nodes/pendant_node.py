@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from rcl_interfaces.msg import Log
-from rclpy.qos import QoSProfile
 
 from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
@@ -27,7 +26,6 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_planning.pathplanning import PathPlanning
 
-LOGS: Final = QoSProfile(depth=100)
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
 
 
@@ -70,7 +68,7 @@ class PendantNode(RobotNode):
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
-        self.create_subscription(Log, '/rosout', self._on_log, LOGS)
+        subscribe(self, Log, '/rosout', self._on_log)
         self._server = self._serve(port, Path(folder).resolve(), access)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
