@@ -22,7 +22,8 @@ from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import InstallationError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import seconds
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 from robots_planning.pathplanning import PathPlanning
 
@@ -39,7 +40,9 @@ class PendantNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('pendant_node', **options)
-        port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
+        port = self.parameter(
+            'port', 8090, 'first port to try for the page; 0 lets the system choose', bounds=PORTS
+        )
         host = self.parameter(
             'host',
             THIS_MACHINE,

@@ -65,6 +65,13 @@ class DriveNode(RobotNode):
             'bandwidth',
             [15.0],
             'second_order: natural frequency of the drives, Hz; one number or one per axis',
+            bounds=(0.01, 1000.0),
+        )
+        damping = self.parameter(
+            'damping',
+            [1.0],
+            'second_order: damping ratio; one number or one per axis',
+            bounds=(0.01, 100.0),
         )
         payload: Payload = payload_from_parameters(self)
         feed_forward = self.parameter(

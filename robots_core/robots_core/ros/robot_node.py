@@ -98,6 +98,8 @@ class RobotNode(TimedNode):
                 descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
             else:
                 descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+            if isinstance(default, list):  # rclpy checks single numbers alone
+                read = partial(_within, bounds)
         try:
             value = self.declare_parameter(name, default, descriptor).value
             meaning = value if read is None else read(value)
@@ -303,3 +305,11 @@ class RobotNode(TimedNode):
             self._bad_streams[topic] = now
             self.journal.error(f'{topic}: {error}')
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
+
+
+def _within(bounds: tuple[float, float], values: Any) -> Any:
+    low, high = bounds
+    for value in values:
+        if not low <= value <= high:
+            raise InvalidInputError(f'{value:g} must be in [{low:g}, {high:g}]')
+    return values
