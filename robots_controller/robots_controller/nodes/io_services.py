@@ -50,10 +50,17 @@ class IoServices:
         node: Owner of the topics and services.
         image: The image.
         on_inputs: Inputs came on a topic: the error, or None.
+        channel_services: Serve each digital channel too, as `~/digital_input_1/set`; the executor waits for
+            every service at each wake-up.
     """
 
     def __init__(
-        self, node: RobotNode, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
+        self,
+        node: RobotNode,
+        image: IoImage,
+        on_inputs: Callable[[str, InvalidInputError | None], None],
+        *,
+        channel_services: bool,
     ) -> None:
         self._image = image
         self._on_inputs = on_inputs
@@ -77,7 +84,7 @@ class IoServices:
         ):
             node.create_service(kind, f'~/{name}', serve)
         for channel in image.channels:
-            if channel.kind == 'digital':
+            if channel_services and channel.kind == 'digital':
                 name = f'{channel.kind}_{channel.direction}_{channel.index}/set'
                 node.serve(name, partial(self._set_digital, channel), SetBool)
         self.publish()

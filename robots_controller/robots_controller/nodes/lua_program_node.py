@@ -76,6 +76,9 @@ class LuaProgramNode(RobotNode):
             )
             for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE))
         }
+        channel_services = self.parameter(
+            'channel_services', False, 'serve each digital channel by itself, as ~/digital_input_1/set'
+        )
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
         timeout = self.parameter(
             'planner_timeout', 5.0, 'longest wait of a motion for planning_node, s', bounds=(0.1, 600.0)
@@ -141,7 +144,7 @@ class LuaProgramNode(RobotNode):
         self._watchdog = watchdog_parameter(self)
         HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
-        self._io = IoServices(self, self._program.io, self._on_inputs)
+        self._io = IoServices(self, self._program.io, self._on_inputs, channel_services=channel_services)
         host, teaching = self.host, PointTeaching(self.robot, self._program)
         handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
