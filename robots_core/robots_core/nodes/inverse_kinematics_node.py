@@ -26,7 +26,7 @@ from robots_core.operating_modes import Commander
 from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
+from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import subscribe
 from robots_core.ros.reference_stream import ReferenceStream
@@ -130,12 +130,14 @@ class InverseKinematicsNode(RobotNode):
     def _take_references(self, now: float) -> None:
         for message, _ in self._poses.take_all():
             try:
-                self._guidance.put(pose_from_message(message.pose), self._valid_at(message, now))
+                pose = pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
+                self._guidance.put(pose, self._valid_at(message, now))
             except RobotsError as error:
                 self._refuse_input('reference_pose', error)
         for twist_message, _ in self._twists.take_all():
             try:
-                self._guidance.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
+                twist = twist_in_base(twist_message, self.robot.base_link)
+                self._guidance.put_twist(twist, self._valid_at(twist_message, now))
             except RobotsError as error:
                 self._refuse_input('reference_twist', error)
 

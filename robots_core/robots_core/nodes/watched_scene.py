@@ -26,12 +26,13 @@ class WatchedScene:
     def __init__(
         self, node: RobotNode, on_change: Callable[[Scene], None], scene: Scene | None = None
     ) -> None:
+        self._base_link = node.robot.base_link
         self.scene = scene_by_parameter(node) if scene is None else scene
         on_change(self.scene)
         self._on_change = on_change
         subscribe(node, MarkerArray, 'collision_objects', self._on_objects)
 
     def _on_objects(self, message: MarkerArray) -> None:
-        scene = updated_scene(self.scene, message)
+        scene = updated_scene(self.scene, message, self._base_link)
         self._on_change(scene)
         self.scene = scene

@@ -14,6 +14,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.base_frames import frame_in_base
 from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
@@ -33,7 +34,7 @@ from robots_core.ros.messages import (
     motion_result_from_message,
     motion_result_message,
     number_in,
-    pose_from_message,
+    pose_in_base,
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -209,11 +210,10 @@ class PlanningNode(RobotNode):
         return joint_values(message.name, message.position, self._names, JOINT.topic)
 
     def _pose(self, message: PoseStamped) -> Pose:
-        check_base_frame(message.header.frame_id)
-        return pose_from_message(message.pose)
+        return pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
 
     def _poses(self, message: Path) -> Target:
-        check_base_frame(message.header.frame_id)
+        frame_in_base(message.header.frame_id, self.robot.base_link)  # which it must be in as a whole too
         return tuple(self._pose(pose) for pose in message.poses)
 
     def _on_reference_pose(self, message: PoseStamped) -> None:

@@ -16,6 +16,7 @@ from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.simulated_clock import START
+from robots_core.base_frames import BASE_FRAME
 from robots_core.errors import BagError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
@@ -173,7 +174,7 @@ class SimulatedBag:
         point = ros.message('geometry_msgs/msg/Point', *pose[:3])
         quaternion = ros.message('geometry_msgs/msg/Quaternion', *pose[3:])
         body = ros.message('geometry_msgs/msg/Pose', point, quaternion)
-        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, ros.BASE_FRAME), body)
+        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, BASE_FRAME), body)
         templates: dict[str, tuple[str, Any, list[Array]]] = {
             'joint_reference': ('trajectory_msgs/msg/JointTrajectory', reference, rows),
             'joint_states': ('sensor_msgs/msg/JointState', ros.joint_state(0, self._names, *states), states),
