@@ -124,11 +124,12 @@ class IoServices:
 
     def _on_message(self, topic: str, message: UInt8MultiArray | Float64MultiArray) -> None:
         try:
-            self._image.set_inputs(_kind(topic), message.data)
+            changed = self._image.set_inputs(_kind(topic), message.data)
         except InvalidInputError as error:
             self._on_inputs(topic, error)
         else:
-            self.publish()
+            if changed:
+                self.publish()
             self._on_inputs(topic, None)
 
     def _get(self, request: GetParameters.Request, response: GetParameters.Response) -> Any:

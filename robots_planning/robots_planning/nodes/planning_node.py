@@ -301,7 +301,6 @@ class PlanningNode(RobotNode):
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
     ) -> None:
         """See `MotionPlannerPort`."""
-        self._controllers = self._reference_publishers()
         values: dict[str, Any] = {'id': id_, **ends}
         self._plan_publisher.publish(
             diagnostic_status('motion plan', '', hardware_id=self.robot_name, **values)
@@ -309,6 +308,7 @@ class PlanningNode(RobotNode):
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )
+        self._controllers = self._reference_publishers()  # takes longer than a message
         limit = motion.report.limiting
         self.journal.info(
             f'{title} planned: {motion.duration:.3f} s, '
