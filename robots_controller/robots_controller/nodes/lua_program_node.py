@@ -148,6 +148,7 @@ class LuaProgramNode(RobotNode):
         host, teaching = self.host, PointTeaching(self.robot, self._program)
         handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
+            'close': host.close,
             'run': host.run,
             'pause': host.pause,
             'resume': host.resume,
