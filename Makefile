@@ -179,6 +179,10 @@ fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py
 
+.PHONY: benchmark-plant
+benchmark-plant: build .venv/.installed_tests  ## Values of a plant through a program's handler and back, side by side with bare clients; COUNT=200
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_plant.py --count $(or $(COUNT),200) $(OPTIONS)
+
 .PHONY: benchmark-simulate
 benchmark-simulate: build  ## How much faster than real time simulations are, and where the time goes
 	@$(RUN) python test/benchmark/benchmark_simulate.py

@@ -17,7 +17,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from motion_simulator.double_lane_change import DoubleLaneChange
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.recording.bag_qos import bag_qos
+from robots_controller.recording.bag_qos import bag_qos_of
 from robots_controller.simulation.record import ros_messages as ros
 from robots_core.blocks import VehicleMotion
 from robots_core.errors import InvalidInputError, RobotsError
@@ -94,7 +94,7 @@ def write(path: Path, recording: VehicleRecording) -> None:
     writer.set_compression(CompressionMode.FILE, CompressionFormat.ZSTD)
     with writer:
         connection = writer.add_connection(
-            f'/{TOPIC}', TYPE, typestore=ros.typestore(), offered_qos_profiles=[bag_qos(latched=False)]
+            f'/{TOPIC}', TYPE, typestore=ros.typestore(), offered_qos_profiles=[bag_qos_of(TOPIC)]
         )
         for time, motion in zip(recording.time, recording.motions, strict=True):
             stamp = START + round(time * NANOSECONDS)

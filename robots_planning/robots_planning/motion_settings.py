@@ -18,14 +18,12 @@ from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.validation import bounded_vector, finite_vector, one_of
 from robots_planning.planner_choice import check_planner
-from robots_planning.trajectory_generators.base import usable_fraction
 
 IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner': 'limited'}
 NOTHING: Final = (0.0, 0.0, 0.0, 0.0)
 FARTHEST: Final = {'tool': 10.0, 'base': 1000.0}  # m
 ON_BLOCKED: Final = ('stop', 'replan')
-MOST_REPLANS: Final = 100
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -64,7 +62,7 @@ class MotionSettings:
         joint_blend_zone: The same of a joint motion, rad (m) of the axis that moves most.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1], a number outside its range in `RANGES`, a frame or
+        InvalidInputError: a number outside its range in `RANGES`, a frame or
             payload that is none, or a planner or configuration that does not exist.
     """
 
@@ -152,7 +150,8 @@ def known_configuration(text: str, name: str = 'configuration') -> Configuration
 def _in_range(value: float, name: str) -> None:
     low, high, unit = RANGES[name]
     if not low <= value <= high:
-        raise InvalidInputError(f'{name} = {value:.6g} {unit} must be in [{low:g}, {high:g}] {unit}')
+        unit = f' {unit}' if unit else ''
+        raise InvalidInputError(f'{name} = {value:.6g}{unit} must be in [{low:g}, {high:g}]{unit}')
 
 
 def _flag(value: object, name: str) -> None:
@@ -161,8 +160,9 @@ def _flag(value: object, name: str) -> None:
 
 
 def _count(value: object, name: str) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_REPLANS:
-        raise InvalidInputError(f'{name} = {value!r} must be a whole number in [1, {MOST_REPLANS}]')
+    low, high, _ = RANGES[name]
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise InvalidInputError(f'{name} = {value!r} must be a whole number in [{low:g}, {high:g}]')
 
 
 def _planner(value: object, name: str) -> None:
@@ -172,19 +172,20 @@ def _planner(value: object, name: str) -> None:
 
 
 RANGES: Final[dict[str, tuple[float, float, str]]] = {
+    'speed_fraction': (1e-6, 1.0, ''),
+    'acceleration_fraction': (1e-6, 1.0, ''),
     'cartesian_speed': (1e-5, 20.0, 'm/s'),
     'cartesian_acceleration': (1e-4, 1e3, 'm/s^2'),
     'rotation_speed': (1e-5, 100.0, 'rad/s'),
     'rotation_acceleration': (1e-4, 1e4, 'rad/s^2'),
     'avoid_budget': (0.01, 600.0, 's'),
+    'most_replans': (1, 100, ''),
     'blend_zone': (0.0, 1.0, 'm'),
     'joint_blend_zone': (0.0, math.pi, 'rad (m)'),
 }
 """Smallest and largest value of settings, with their unit: beyond these no arm works."""
 
 CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
-    'speed_fraction': usable_fraction,
-    'acceleration_fraction': usable_fraction,
     **dict.fromkeys(RANGES, _in_range),
     'jerk_limited': _flag,
     'joint_planner': _planner,
@@ -201,8 +202,8 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
 """The check of each setting: takes value and name, raises InvalidInputError."""
 
 DESCRIPTIONS: Final = {
-    'speed_fraction': "part of the axes' velocity limits, (0, 1]",
-    'acceleration_fraction': "part of the axes' acceleration and jerk limits, (0, 1]",
+    'speed_fraction': "part of the axes' velocity limits",
+    'acceleration_fraction': "part of the axes' acceleration and jerk limits",
     'cartesian_speed': 'highest speed of the tool, m/s',
     'cartesian_acceleration': 'highest acceleration of the tool, m/s^2',
     'rotation_speed': 'highest angular speed of the tool, rad/s',
@@ -213,7 +214,7 @@ DESCRIPTIONS: Final = {
     'avoid': 'joint motions go around what is in the way',
     'avoid_budget': 'longest search for a way around, s at 25 000 postures per second',
     'on_blocked': "what an obstacle in the path does to a motion with avoid: 'stop', or 'replan' around it",
-    'most_replans': 'how often one motion may be replanned, 1 to 100',
+    'most_replans': 'how often one motion may be replanned',
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
     'hold': "what of poses is held: 'pose', 'directions' or 'position'; '' for what the arm can",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,10 +19,10 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, bounded_vector, finite_vector, positive, read_only
 from robots_planning.slowed_robot import SlowedRobot
 
-JogAxes = Literal['base', 'tool', 'world']
-JOG_AXES: tuple[JogAxes, ...] = ('base', 'tool', 'world')
+JogAxes = Literal['base', 'base_link', 'tool', 'world']
+JOG_AXES: tuple[JogAxes, ...] = get_args(JogAxes)
 JOG_FRAMES: Mapping[str, JogAxes] = MappingProxyType(
-    {'': 'base', 'base': 'base', 'base_link': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
+    {'': 'base', 'base': 'base', 'base_link': 'base_link', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
 )
 
 
@@ -194,7 +194,7 @@ class TeachBox:
             twist: (6,): velocity (m/s), angular velocity (rad/s) of the tool centre point; what is above the
                 reduced speeds is lowered to them in its direction.
             time: On the same clock as `step`.
-            frame: Along and about the axes of 'base', 'tool' or 'world'.
+            frame: Along and about the axes of 'base', 'base_link', 'tool' or 'world'.
 
         Raises:
             InvalidInputError: not six numbers up to `FASTEST`, or no such axes.
@@ -302,7 +302,12 @@ class TeachBox:
 
     def _wanted_twist(self, frame: JogAxes, here: Pose) -> Array:
         """The commanded twist in the base frame, inside the speeds."""
-        turn = {'base': np.eye(3), 'tool': here.T, 'world': self.world.T.T}[frame]
+        turn = {
+            'base': np.eye(3),
+            'base_link': self.robot.base_link.T,
+            'tool': here.T,
+            'world': self.world.T.T,
+        }[frame]
         parts = self._command.reshape(2, 3) @ turn.T
         norms = np.linalg.norm(parts, axis=1)
         highest = (1.0 - SPEED_RESERVE) * self._speeds

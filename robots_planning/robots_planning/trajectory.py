@@ -100,15 +100,20 @@ class Trajectory:
             Three arrays (..., n).
         """
         times = np.asarray(t, dtype=np.float64)
-        clipped = np.clip(times, 0.0, self.duration)
-        index = np.clip(np.searchsorted(self.time, clipped, side='right') - 1, 0, len(self.time) - 2)
-        x = (clipped - self.time[index])[..., None]
-        c = np.moveaxis(self.coefficients[index], -2, 0)
-        q = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
-        q_dot = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])))
-        q_ddot = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))
+        x, c = self._place(times)
         outside = ((times < 0.0) | (times > self.duration))[..., None]
-        return q, np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)
+        q_dot, q_ddot = _velocity(x, c), _acceleration(x, c)
+        return _position(x, c), np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)
+
+    def sample_position(self, t: Array) -> Array:
+        """The positions of `sample` alone, (..., n)."""
+        return _position(*self._place(t))
+
+    def _place(self, t: Array) -> tuple[Array, Array]:
+        """Time since the start of the interval that holds t, (..., 1), and its coefficients, (6, ..., n)."""
+        clipped = np.clip(t, 0.0, self.duration)
+        index = np.clip(np.searchsorted(self.time, clipped, side='right') - 1, 0, len(self.time) - 2)
+        return (clipped - self.time[index])[..., None], np.moveaxis(self.coefficients[index], -2, 0)
 
     def acceleration_extremes(self) -> tuple[Array, Array, Array]:
         """Where acceleration or jerk can be largest: ends and inner extremes of every interval, exactly.
@@ -130,6 +135,21 @@ class Trajectory:
         times = self.time[:-1, None] + x
         n = self.num_axes
         return times.reshape(-1, n), acceleration.reshape(-1, n), jerk.reshape(-1, n)
+
+
+def _position(x: Array, c: Array) -> Array:
+    q: Array = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
+    return q
+
+
+def _velocity(x: Array, c: Array) -> Array:
+    q_dot: Array = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])))
+    return q_dot
+
+
+def _acceleration(x: Array, c: Array) -> Array:
+    q_ddot: Array = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))
+    return q_ddot
 
 
 def one_after_another(trajectories: Sequence[Trajectory]) -> Trajectory:

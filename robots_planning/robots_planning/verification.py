@@ -190,7 +190,7 @@ def verify(
     count = int(np.ceil(trajectory.duration / SAMPLE_PERIOD)) + 1
     t = np.union1d(np.linspace(0.0, trajectory.duration, max(count, 16)), trajectory.time)
     q, q_dot, q_ddot = trajectory.sample(t)
-    before, after = (trajectory.sample(t + sign * SAMPLE_PERIOD)[0] for sign in (-1.0, 1.0))
+    before, after = trajectory.sample_position(t + SAMPLE_PERIOD * np.array([[-1.0], [1.0]]))
     if (
         start_motion is not None
     ):  # what was before the start is unknown: as if it had moved at constant acceleration

@@ -36,7 +36,7 @@ from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
 from robots_core.realtime import IDLE_LATENCY_DEVICE
 from robots_core.ros.middleware import choose_transports
-from robots_core.ros.qos import REFERENCE
+from robots_core.ros.qos import SENSOR
 
 HERE = Path(__file__).parent
 MOVES = 20
@@ -68,7 +68,7 @@ class Receiver(Node):
     def __init__(self, names: tuple[str, ...], home: np.ndarray) -> None:
         super().__init__('receiver')
         self.stamps: list[int] = []
-        reading = QoSProfile(depth=1000, reliability=REFERENCE.reliability)
+        reading = QoSProfile(depth=1000, reliability=SENSOR.reliability)
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, reading)
         feedback = self.create_publisher(JointState, 'joint_states', QoSProfile(depth=1))
         state = JointState(name=list(names), position=home.tolist())

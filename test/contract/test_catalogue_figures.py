@@ -15,7 +15,7 @@ import pinocchio as pin
 import pytest
 import yaml
 
-from robots_core import load_robot_model
+from robots_core import Pose, load_robot_model
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
 
 FOLDER = Path(__file__).parent / 'figures'
@@ -217,6 +217,43 @@ def test_structural_data_are_the_denavit_hartenberg_lengths(name: str):
         r, T = robot.direct_kinematics(q)
         np.testing.assert_allclose(r, pose.translation, atol=PRINTED)
         np.testing.assert_allclose(T, pose.rotation, atol=PRINTED)
+
+
+UR_DESCRIPTION = {
+    'ur5e': ((0.0, 0.0, 0.1625), -0.425, (-0.3922, 0.0, 0.1333), -0.0997, 0.0996),
+    'ur10e': ((0.0, 0.0, 0.1807), -0.6127, (-0.57155, 0.0, 0.17415), -0.11985, 0.11655),
+}
+"""Universal_Robots_ROS2_Description @2221ec0, config/*/default_kinematics.yaml: shoulder, x of forearm,
+wrist_1, y of wrist_2 and of wrist_3, m; their z, -2e-11 m, is left out. Joints: urdf/ur_macro.xacro."""
+
+
+def placed(xyz: tuple[float, float, float], rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> pin.SE3:
+    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+
+
+@pytest.mark.parametrize('name', UR_DESCRIPTION)
+def test_base_link_is_that_of_the_maker_s_description(name: str):
+    shoulder, forearm, wrist_1, wrist_2, wrist_3 = UR_DESCRIPTION[name]
+    half, here = 0.5 * np.pi, (0.0, 0.0, 0.0)
+    joints = (
+        placed(shoulder),
+        placed(here, (1.570796327, 0.0, 0.0)),
+        placed((forearm, 0.0, 0.0)),
+        placed(wrist_1),
+        placed((0.0, wrist_2, 0.0), (1.570796327, 0.0, 0.0)),
+        placed((0.0, wrist_3, 0.0), (1.570796326589793, np.pi, np.pi)),
+    )
+    robot = robot_of(name)
+    for q in postures(robot, 10):
+        pose = placed(here, (0.0, 0.0, np.pi))  # base_link-base_link_inertia
+        for origin, angle in zip(joints, q, strict=True):
+            pose = pose * origin * placed(here, (0.0, 0.0, angle))
+        pose = pose * placed(here, (0.0, -half, -half))  # wrist_3-flange
+        pose = pose * placed(here, (half, 0.0, half))  # flange-tool0
+        r, T = robot.direct_kinematics(q)
+        there = robot.base_link @ Pose(pose.translation, pose.rotation)
+        np.testing.assert_allclose(there.r, r, atol=PRINTED)
+        np.testing.assert_allclose(there.T, T, atol=PRINTED)
 
 
 def test_iiwa_shoulder_elbow_and_wrist_are_points():

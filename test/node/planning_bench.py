@@ -38,13 +38,13 @@ class PlanningBench(Bench):
 
     def __init__(self, runner: Any, **parameters: Any) -> None:
         super().__init__(runner)
-        self.robot = load_robot_model(ROBOT)
+        self.robot = load_robot_model(parameters.setdefault('robot_model', ROBOT))
         self.names = list(self.robot.axes_data.names)
         self.trajectories = self.collect('joint_trajectory', JointTrajectory, COMMAND)
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.finished = self.collect('finished', Bool, STATE, lambda message: message.data)
         self.references: Any = None
-        self.node = self.start_node(PlanningNode, robot_model=ROBOT, **parameters)
+        self.node = self.start_node(PlanningNode, **parameters)
         for topic, kind, qos in (
             ('ptpjoint_joint', JointState, COMMAND),
             ('ptpjoint_cartesian', PoseStamped, COMMAND),

@@ -168,13 +168,18 @@ def test_channels_are_listed_as_parameters_are(
 
 
 def test_one_channel_is_switched_by_a_service_of_its_own(ros_nodes: Any):
-    panel = Panel(ros_nodes)
+    panel = Panel(ros_nodes, channel_services=True)
     assert panel.ask(SetBool, 'digital_input_1/set', data=True).success
     assert panel.ask(SetBool, 'digital_output_4/set', data=True).success
     panel.wait_for('lua_program_node/digital_inputs', [1, 0, 0, 0])
     panel.wait_for('digital_outputs', [0, 0, 0, 1])
     assert panel.ask(SetBool, 'digital_input_1/set', data=False).success
     panel.wait_for('lua_program_node/digital_inputs', [0, 0, 0, 0])
+
+
+def test_channels_have_no_services_of_their_own_by_default(ros_nodes: Any):
+    panel = Panel(ros_nodes)
+    assert not [one.service_name for one in panel.lua.services if one.service_name.endswith('/set')]
 
 
 def test_the_images_say_how_they_count(ros_nodes: Any):

@@ -128,7 +128,11 @@ class FuzzBench(Bench):
         super().__init__(runner, 'caller')
         self.path = folder / 'test.lua'
         self.node = self.start_node(
-            LuaProgramNode, robot_model=ROBOT, program=str(self.path), planner_timeout=0.1
+            LuaProgramNode,
+            robot_model=ROBOT,
+            program=str(self.path),
+            planner_timeout=0.1,
+            channel_services=True,
         )
 
     def ask(self, name: str) -> Any:

@@ -199,11 +199,23 @@ def test_program_that_cannot_be_opened_is_reported(
 
 def test_services_without_a_running_program_say_so(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
-    for name in ('run', 'pause', 'resume', 'stop', 'reset'):
+    for name in ('run', 'pause', 'resume', 'stop', 'reset', 'close'):
         response = bench.ask(name)
         assert not response.success
         assert response.message.startswith('no program is')
     assert bench.ask('get_command_state').message == 'IDLE'
+
+
+def test_a_program_that_has_ended_is_closed(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path)
+    bench.start('wait(1e6)')
+    bench.wait_for_state('RUNNING')
+    assert 'cannot close: ' in bench.ask('close').message
+    assert bench.ask('stop').success
+    bench.wait_for_state('STOPPED')
+    assert bench.ask('close').message.endswith('is closed')
+    bench.wait_for_state('IDLE')
+    assert bench.ask('run').message.startswith('no program is open')
 
 
 def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):

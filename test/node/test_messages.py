@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import TwistStamped
 
+from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError, RobotsError, UnreachablePoseError
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
@@ -14,6 +17,8 @@ from robots_core.ros.messages import (
     motion_result_message,
     number_in,
     pose_from_message,
+    pose_in_base,
+    twist_in_base,
 )
 
 
@@ -49,3 +54,26 @@ def test_a_result_keeps_the_code_of_its_error(error: RobotsError) -> None:
     assert (received.code, received.message) == (error.code, error.message)
     reached = motion_result_message(MotionResult('5.0', ok=True, message='reached'), 'robot')
     assert 'code' not in diagnostic_values(reached)
+
+
+def test_poses_and_twists_in_base_link_come_into_the_base() -> None:
+    pose, twist = PoseMessage(), TwistStamped()
+    pose.position.x, pose.orientation.w = 0.5, 1.0
+    twist.twist.linear.x, twist.twist.angular.y = 0.1, 0.2
+    turned = np.diag([-1.0, -1.0, 1.0])
+    for robot, frame, turn in (
+        ('ur5e', 'base_link', turned),
+        ('ur10e', 'base_link', turned),
+        ('ur5e', 'base', np.eye(3)),
+        ('ur5e', '', np.eye(3)),
+        ('bello_bot', 'base_link', np.eye(3)),
+    ):
+        base_link = load_robot_model(robot).base_link
+        found = pose_in_base(frame, pose, base_link)
+        assert found.distance_to(Pose(turn @ [0.5, 0.0, 0.0], turn)) == pytest.approx((0.0, 0.0), abs=1e-9)
+        twist.header.frame_id = frame
+        wanted = [*(turn @ [0.1, 0.0, 0.0]), *(turn @ [0.0, 0.2, 0.0])]
+        assert twist_in_base(twist, base_link) == pytest.approx(wanted, abs=1e-12)
+    twist.header.frame_id = 'camera'
+    with pytest.raises(InvalidInputError, match="frame 'camera' is unknown"):
+        twist_in_base(twist, base_link)

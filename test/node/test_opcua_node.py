@@ -69,6 +69,15 @@ def test_a_client_loads_starts_and_stops_a_program_and_sees_the_robot_move(cell:
     cell.until_state(RunState.STOPPED)
     cell.until_standing()
 
+    async def unload(nodes: Nodes) -> None:
+        async with asyncio.timeout(DEADLINE):
+            while await nodes.call(f'{MACHINE}/rob:UnloadProgram') != 0:  # the motion is still ending
+                pass
+        assert await nodes.call(f'{MACHINE}/rob:UnloadProgram') == 1
+
+    cell.client(unload)
+    cell.until_state(RunState.IDLE)
+
 
 def test_a_client_writes_outputs(cell: ServedCell) -> None:
     async def write(nodes: Nodes) -> None:

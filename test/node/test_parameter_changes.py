@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from rclpy.parameter import Parameter
 
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.nodes.drive_node import DriveNode
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
@@ -18,6 +19,14 @@ from .planning_bench import PlanningBench
 from .suite_nodes import OPTIONS, suite_nodes
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'reference' / 'parameter_changes.md'
+NUMBERS = (
+    Parameter.Type.INTEGER,
+    Parameter.Type.DOUBLE,
+    Parameter.Type.INTEGER_ARRAY,
+    Parameter.Type.DOUBLE_ARRAY,
+)
+OF_SEVERAL_UNITS = ('tool', 'base', 'work', 'payload', 'base_orientation', 'initial_position')
+"""Lists of metres and quaternions, and the like, which a check of their own bounds."""
 RCLPY: set[str] = {'use_sim_time', 'start_type_description_service'}
 
 
@@ -32,6 +41,29 @@ def test_the_table_has_what_a_node_lets_change(ros_nodes: Any, name: str) -> Non
         (result,) = node.set_parameters([Parameter('use_sim_time', value=True)])
         assert not result.successful
         assert 'chosen at the start' in result.reason
+
+
+@pytest.mark.parametrize('name', sorted(suite_nodes()))
+def test_numbers_have_a_range(ros_nodes: Any, name: str) -> None:
+    kind, options = suite_nodes()[name], OPTIONS.get(name, {})
+    node = ros_nodes.add(kind(**ros_nodes.options(**options)))
+    for parameter in node.get_parameters(sorted(set(node._parameters) - RCLPY)):
+        if parameter.type_ not in NUMBERS:
+            continue
+        if parameter.name in OF_SEVERAL_UNITS:
+            per_axis = parameter.name == 'initial_position'
+            huge = [1e300] * (node.robot.num_axes if per_axis else len(parameter.value))
+            with pytest.raises(RobotsError, match='e\\+300'):
+                kind(**ros_nodes.options(**options, **{parameter.name: huge}))
+        else:
+            descriptor = node.describe_parameter(parameter.name)
+            assert [*descriptor.floating_point_range, *descriptor.integer_range], parameter.name
+
+
+def test_numbers_in_a_list_stay_in_their_range(ros_nodes: Any) -> None:
+    for value in (0.0, 1001.0, float('nan')):
+        with pytest.raises(InvalidInputError, match=r'parameter bandwidth: \S+ must be in \[0.01, 1000\]'):
+            DriveNode(**ros_nodes.options(bandwidth=[15.0, value]))
 
 
 def test_the_documentation_has_the_table() -> None:

@@ -327,6 +327,20 @@ def test_a_pose_in_another_frame_is_refused(bench: PlanningBench) -> None:
     )
 
 
+def test_base_link_of_a_ur_arm_is_turned(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, robot_model='ur5e')
+    bench.stand(bench.robot.home)
+    there = below(bench)
+    turned = np.diag([-1.0, -1.0, 1.0])  # as their driver's frames are
+    bench.publish(
+        'ptpcartesian',
+        pose_stamped_message(Time(sec=5), Pose(turned @ there.r, turned @ there.T), 'base_link'),
+    )
+    r, T = bench.robot.direct_kinematics(bench.planned().position[-1])
+    np.testing.assert_allclose(r, there.r, atol=1e-6)
+    np.testing.assert_allclose(T, there.T, atol=1e-6)
+
+
 def test_base_link_is_the_base(bench: PlanningBench) -> None:
     bench.stand(bench.robot.home)
     bench.publish('ptpcartesian', pose_stamped_message(Time(sec=5), below(bench), 'base_link'))

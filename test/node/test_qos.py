@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 from geometry_msgs.msg import PoseStamped
 from rclpy.event_handler import PublisherEventCallbacks
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64
 
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM, subscribe_any, subscribe_state
+from robots_core.ros.qos import (
+    COMMAND,
+    SENSOR,
+    STATE,
+    STREAM,
+    every_message,
+    subscribe_any,
+    subscribe_any_state,
+)
+from robots_core.topic_qos import Profile, topic_qos
 from robots_planning.nodes.planning_node import PlanningNode
 
 from .bench import Bench
+from .suite_nodes import OPTIONS, suite_nodes
 
 UNACKNOWLEDGED = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -36,7 +47,7 @@ def test_publishers_of_state_are_heard_without_a_warning_that_they_are_not(
 ):
     heard(
         Bench(ros_nodes),
-        lambda node, values: subscribe_state(node, Float64, 'topic', lambda one: values.append(one.data)),
+        lambda node, values: subscribe_any_state(node, Float64, 'topic', lambda one: values.append(one.data)),
         qos,
     )
     assert 'incompatible QoS' not in capfd.readouterr().err
@@ -64,3 +75,38 @@ def test_a_reference_pose_without_acknowledgement_reaches_the_planner(ros_nodes:
     publisher = bench.peer.create_publisher(PoseStamped, 'reference_pose', UNACKNOWLEDGED)
     bench.peer.create_timer(0.02, lambda: publisher.publish(message))
     bench.wait(lambda: node.planner.reference_pose is not None, 'the pose')
+
+
+OF_OTHERS = ('/plc/', '/press/', '/joint_trajectory_controller/')
+"""Where topics are that the suite shares with a PLC or a driver, whose choice their quality is."""
+
+
+def key(qos: QoSProfile) -> tuple[Any, ...]:
+    return qos.depth, qos.reliability, qos.durability
+
+
+def as_key(profile: Profile) -> tuple[Any, ...]:
+    return (
+        profile.depth,
+        ReliabilityPolicy.RELIABLE if profile.reliable else ReliabilityPolicy.BEST_EFFORT,
+        DurabilityPolicy.TRANSIENT_LOCAL if profile.latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+@pytest.mark.parametrize('executable', sorted(suite_nodes()))
+def test_every_publisher_and_subscription_has_the_quality_of_the_table(ros_nodes: Any, executable: str):
+    bench = Bench(ros_nodes)
+    node = bench.start_node(suite_nodes()[executable], **OPTIONS.get(executable, {}))
+    publishers = [one for one in node.publishers if not one.topic_name.startswith(OF_OTHERS)]
+    assert publishers
+    for publisher in publishers:
+        name = publisher.topic_name
+        assert key(publisher.qos_profile) == as_key(topic_qos(name).published), name
+    found = defaultdict(set)
+    for subscription in node.subscriptions:
+        if not subscription.topic_name.startswith(OF_OTHERS):
+            found[subscription.topic_name].add(key(subscription.qos_profile))
+    for name, keys in found.items():
+        qos = topic_qos(name)
+        ways = [{as_key(one) for one in qos.subscribed}, {as_key(qos.polled)}]
+        assert keys in [*ways, {key(every_message(name))}], name

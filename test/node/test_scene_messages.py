@@ -41,6 +41,9 @@ def test_objects_are_replaced_and_deleted_by_name():
     marker.header.frame_id = 'base_link'  # the other name of the robot's base in REP-199
     found = updated_scene(scene, MarkerArray(markers=[Marker(ns='a', action=Marker.DELETE), marker]))
     assert [(item.name, item.geometry) for item in found.objects] == [('b', Sphere(0.4))]
+    turned = Pose(np.zeros(3), np.diag([-1.0, -1.0, 1.0]))  # of robots whose maker has it elsewhere
+    found = updated_scene(scene, MarkerArray(markers=[marker]), turned)
+    assert found.objects[-1].pose.distance_to(turned @ POSE) == pytest.approx((0.0, 0.0), abs=1e-9)
     assert updated_scene(found, MarkerArray(markers=[Marker(action=Marker.DELETEALL)])).objects == ()
 
 

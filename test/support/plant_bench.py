@@ -80,6 +80,21 @@ class PlantBench:
             assert time.monotonic() < end, f'{what}; problems: {self.bridge.problems}; told: {self.told}'
             self._woken.wait(0.02)
 
+    def woken(self) -> bool:
+        """A port has asked for a turn of the loop since the last call."""
+        woken = self._woken.is_set()
+        self._woken.clear()
+        return woken
+
+    def works_while_it_waits(self, port: str, hold: Callable[[], None], **values: float) -> None:
+        """While a port waits for an answer that does not come, the loop has its turns."""
+        hold()
+        self.switch(**values)
+        self.until(lambda: self.ports[port]._busy, 'a write that is not confirmed')
+        for _ in range(100):
+            self.step()
+        assert self.ports[port]._busy
+
     def close(self) -> None:
         """End the connections."""
         for port in self.ports.values():

@@ -7,13 +7,17 @@ import json
 import socket
 import threading
 from collections.abc import Coroutine
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeVar
 
 import paho.mqtt.client as mqtt
 from amqtt.broker import Broker
 from asyncua import server as opcua
 from asyncua import ua
+from asyncua.crypto.cert_gen import setup_self_signed_certificate
 from asyncua.crypto.permission_rules import User, UserRole
+from cryptography.x509.oid import ExtendedKeyUsageOID
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
@@ -31,6 +35,16 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return int(probe.getsockname()[1])
+
+
+def certificate(folder: Path, name: str) -> tuple[str, str]:
+    """Files of a self-signed certificate of an application and its key."""
+    key, made = folder / f'{name}.pem', folder / f'{name}.der'
+    use = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
+    asyncio.run(
+        setup_self_signed_certificate(key, made, f'urn:{name}', 'localhost', use, {'commonName': name})
+    )
+    return str(made), str(key)
 
 
 class Partner:
@@ -75,6 +89,60 @@ class Partner:
         await asyncio.gather(*others, return_exceptions=True)
 
 
+class Line(Partner):
+    """The line to a server: what the server sends arrives late, or not before it is let through.
+
+    Args:
+        port: Of the server.
+        delay: Of each answer, s.
+    """
+
+    def __init__(self, port: int, delay: float = 0.0) -> None:
+        super().__init__()
+        self.port = free_port()
+        self.delay = delay
+        self._to = port
+        self._through = asyncio.Event()
+        self._through.set()
+        self._clients: list[asyncio.StreamWriter] = []
+        self._server: Any = None
+
+    async def _start(self) -> None:
+        self._server = await asyncio.start_server(self._connect, '127.0.0.1', self.port)
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+        for client in self._clients:
+            client.close()
+
+    def hold(self, *, held: bool) -> None:
+        """Let nothing of the server through, or all."""
+        self._loop.call_soon_threadsafe(self._through.clear if held else self._through.set)
+
+    def shout(self, noise: bytes) -> None:
+        """Send something to all clients."""
+        for client in self._clients:
+            self._loop.call_soon_threadsafe(client.write, noise)
+
+    async def _connect(self, reader: asyncio.StreamReader, client: asyncio.StreamWriter) -> None:
+        answers, server = await asyncio.open_connection('127.0.0.1', self._to)
+        self._clients.append(client)
+        await asyncio.gather(self._forward(reader, server), self._forward(answers, client, late=True))
+
+    async def _forward(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, late: bool = False
+    ) -> None:
+        with suppress(ConnectionError):
+            while data := await reader.read(65536):
+                if late:
+                    await asyncio.sleep(self.delay)
+                    await self._through.wait()
+                writer.write(data)
+        writer.close()
+
+
 class ModbusPartner(Partner):
     """A Modbus TCP server.
 
@@ -95,6 +163,8 @@ class ModbusPartner(Partner):
         self.answers = asyncio.Event()
         """Not set: requests are not answered."""
         self.answers.set()
+        self.delay = 0.0
+        """Of each answer, s."""
         self._server: Any = None
         self._own = False
 
@@ -139,6 +209,7 @@ class ModbusPartner(Partner):
         if self._own:
             return None
         self.requests.append(code)
+        await asyncio.sleep(self.delay)
         await self.answers.wait()
         if self.refuse & set(range(address, address + max(count, len(values or ())))):
             return ExcCodes.DEVICE_BUSY

@@ -10,12 +10,12 @@ import numpy as np
 
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.topic_qos import topic_qos
 from robots_planning.trajectory import Trajectory
 from written_bags import BAG_START, BAG_TYPES, write_bag
 
 PERIOD = 0.004  # s
 TYPES = BAG_TYPES.types
-LATCHED = ['/program_status', '/digital_outputs', '/lua_program_node/digital_inputs']
 
 
 class RecordedProgram:
@@ -86,7 +86,8 @@ class RecordedProgram:
 
     def write(self, path: Path, *, state: str = 'FINISHED', error: str = '') -> Path:
         self._status(0, '', state, error)
-        return write_bag(path, self.messages, latched=LATCHED)
+        latched = {topic for _, topic, _ in self.messages if topic_qos(topic).published.latched}
+        return write_bag(path, self.messages, latched=latched)
 
     # -- messages ------------------------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
 from robots_core.exit_codes import MEANINGS
+from robots_core.topic_qos import PROFILES, TOPIC_QOS, topic_qos
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
 
@@ -138,10 +139,24 @@ def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
     listed = {
         topic: row[1]
         for row in table(DOCS / 'reference' / 'topics.md', 'Topics')
-        if 'command:' in row[3]
+        if 'command:' in row[4]
         for topic in names(row[0])
     }
     assert listed == {kind.topic: kind.message_type.replace('/msg', '') for kind in MOTION_KINDS}
+
+
+def test_the_quality_of_service_is_that_of_the_table_in_code() -> None:
+    page = DOCS / 'reference' / 'topics.md'
+    of_others = {'rosout', 'parameter_events'}
+    listed = set()
+    for row in table(page, 'Topics'):
+        topics = names(row[0])
+        assert row[2] == ', '.join(dict.fromkeys(topic_qos(topic).text for topic in topics)), topics
+        listed |= {topic.rpartition('/')[2] for topic in topics}
+    assert listed == TOPIC_QOS.keys() - of_others
+    for one in PROFILES:
+        ways = 'reliable' if one.reliable else 'best effort', 'transient local' if one.latched else 'volatile'
+        assert f'| {one.name} | {one.depth} | {" | ".join(ways)} | {one.what} |' in section(page, 'Topics')
 
 
 def test_the_motion_settings_are_those_of_the_planner() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from plant_bench import PlantBench
-from plant_partners import ModbusPartner
+from plant_partners import Line, ModbusPartner
 from robots_controller.io.io_map import parse_io_map
 from robots_controller.io.plant.modbus_link import decoded, encoded
 from robots_controller.io.plant.modbus_map import ModbusPlace
@@ -32,8 +32,8 @@ def partner() -> Iterator[ModbusPartner]:
 def start(partner: ModbusPartner) -> Iterator[Start]:
     benches: list[PlantBench] = []
 
-    def made(rows: str, timeout: float = 60.0) -> PlantBench:
-        benches.append(PlantBench(MAP.format(port=partner.port, timeout=timeout) + rows))
+    def made(rows: str, timeout: float = 60.0, port: int = 0) -> PlantBench:
+        benches.append(PlantBench(MAP.format(port=port or partner.port, timeout=timeout) + rows))
         return benches[-1]
 
     yield made
@@ -129,6 +129,53 @@ def test_a_server_that_does_not_answer_is_left_and_tried_again(partner: ModbusPa
     partner.call(partner.answer())
     bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the answer')
     bench.until(lambda: not str(bench.bridge.problems), 'the end of the problem')
+
+
+def test_late_answers_hold_up_neither_the_loop_nor_what_is_written(partner: ModbusPartner, start: Start):
+    partner.start()
+    partner.delay = 0.5
+    bench = start(ROWS)
+    bench.until(lambda: len(bench.inputs) == 4 and bench.inputs['digital_input.1'] == 0.0, 'the inputs')
+    before = len(partner.requests)
+    bench.switch(d1=1.0)
+    bench.until(lambda: partner.written, 'the output')
+    assert partner.written == [('coil', 7, [1])]
+    # After the answer that it waits for, and perhaps one more; not after those of all three requests.
+    assert 5 in partner.requests[before : before + 3]
+    bench.works_while_it_waits('modbus press', partner.answers.clear, d1=0.0)
+    partner.call(partner.answer())
+    bench.until(lambda: partner.written[-1] == ('coil', 7, [0]), 'the next output')
+    assert not str(bench.bridge.problems)
+
+
+def test_a_server_that_sends_what_nobody_asked_for_is_left_and_tried_again(
+    partner: ModbusPartner, start: Start
+):
+    partner.start()
+    line = Line(partner.port)
+    line.start()
+    bench = start(ROWS, timeout=2.0, port=line.port)
+    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
+    line.shout(1_000_000 * b'\xff')
+    bench.until(lambda: 'modbus press: ' in str(bench.bridge.problems), 'the loss')
+    partner.set('discrete_input', 3, [True])
+    bench.until(lambda: bench.inputs['digital_input.1'] == 1.0, 'the input')
+    bench.until(lambda: not str(bench.bridge.problems), 'no problem')
+    line.end()
+
+
+@pytest.mark.parametrize('words', [[0x0000, 0x7FC0], [0x0000, 0xFF80]])
+def test_registers_that_hold_no_finite_number_leave_the_input(
+    partner: ModbusPartner, start: Start, words: list[int]
+):
+    partner.start()
+    partner.set('input_register', 2, [0x0000, 0x4048])
+    bench = start(ROWS)
+    bench.until(lambda: bench.inputs.get('analog_input.1') == 6.25, 'the value')
+    partner.set('input_register', 2, words)
+    bench.until(lambda: bench.bridge.problems.count > 2, 'values that are lost')
+    assert bench.inputs['analog_input.1'] == 6.25
+    assert len([text for text in bench.told if 'analog_input.1 keeps its value' in text]) == 1
 
 
 def test_an_address_that_does_not_exist_leaves_its_neighbours_alone(partner: ModbusPartner, start: Start):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import socket
+import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plant_bench import PlantBench
-from plant_partners import MqttPartner
+from plant_bench import DEADLINE, PlantBench
+from plant_partners import Line, MqttPartner
 from robots_controller.io.io_map import parse_io_map
 from robots_controller.io.plant.json_pointer import JsonPointer
 from robots_core.errors import InvalidInputError
@@ -27,7 +30,7 @@ Start = Callable[..., PlantBench]
 def start() -> Iterator[Start]:
     benches: list[PlantBench] = []
 
-    def made(partner: MqttPartner, rows: str, more: str = '') -> PlantBench:
+    def made(partner: MqttPartner | Line, rows: str, more: str = '') -> PlantBench:
         benches.append(PlantBench(MAP.format(port=partner.port, more=more) + rows))
         return benches[-1]
 
@@ -144,12 +147,81 @@ def test_a_flood_is_taken_and_what_is_lost_is_counted(
     partner: MqttPartner, start: Start, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr('robots_controller.io.plant.plant_connection.MOST_ARRIVALS', 50)
+    monkeypatch.setattr('robots_controller.io.plant.plant_connection.MOST_TAKEN', 10)
     partner.start()
     bench = connected(start(partner, ROWS))
-    partner.publish('plant/speed', *(str(n) for n in range(200)))
-    bench.until(lambda: bench.inputs.get('analog_input.2') == 199.0, 'the newest')
-    lost = [text for text in bench.told if 'came faster than they could be taken' in text]
-    assert lost[0].startswith('mqtt broker: ')
+    taken = 0
+    receive = bench.bridge._receive
+
+    def count(arrival: Any, now: float) -> Any:
+        nonlocal taken
+        taken += 1
+        return receive(arrival, now)
+
+    bench.bridge._receive = count  # type: ignore[method-assign]
+    for n in range(3):
+        partner.publish('plant/speed', *(str(200 * n + k) for k in range(200)))
+        bench.until(lambda newest=200.0 * n + 199.0: bench.inputs.get('analog_input.2') == newest, 'all')  # type: ignore[misc]
+    told = [text for text in bench.told if 'came faster than they could be taken' in text]
+    assert len(told) == 1
+    assert told[0].startswith('mqtt broker: ')
+    assert bench.bridge.problems.count == 600 - taken
+
+
+def test_the_loop_has_its_turn_between_parts_of_a_flood(
+    partner: MqttPartner, start: Start, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr('robots_controller.io.plant.plant_connection.MOST_TAKEN', 10)
+    partner.start()
+    bench = connected(start(partner, ROWS))
+    partner.publish('plant/speed', *(str(n) for n in range(25)))
+    port = bench.ports['mqtt broker']
+    end = time.monotonic() + DEADLINE
+    while len(port._arrivals) < 25:  # the loop does not take them yet
+        assert time.monotonic() < end
+    bench.woken()
+    sizes = []
+    while arrivals := port.arrivals():
+        sizes.append(len(arrivals))
+        assert bench.woken() == (len(sizes) < 3)
+    assert sizes == [10, 10, 5]
+
+
+def test_late_answers_do_not_hold_up_the_loop(partner: MqttPartner, start: Start):
+    partner.start()
+    line = Line(partner.port, delay=0.5)
+    line.start()
+    bench = connected(start(line, ROWS))
+    partner.publish('plant/speed', '7')
+    bench.until(lambda: bench.inputs.get('analog_input.2') == 7.0, 'the input')
+    bench.switch(d1=1.0, d2=1.0, a1=1.0)
+    bench.until(lambda: len(partner.heard) == 2, 'the outputs')
+    bench.works_while_it_waits('mqtt broker', lambda: line.hold(held=True), d2=0.0)
+    line.hold(held=False)
+    bench.until(lambda: not bench.ports['mqtt broker']._busy, 'the confirmation')
+    assert partner.heard[-1] == ('robot/gripper', False)
+    assert not str(bench.bridge.problems)
+    line.end()
+
+
+def test_a_broker_that_sends_what_is_no_mqtt_is_left_and_tried_again(partner: MqttPartner, start: Start):
+    partner.start()
+    line = Line(partner.port)
+    line.start()
+    bench = connected(start(line, ROWS))
+    line.shout(1_000_000 * b'\xff')
+    bench.until(lambda: 'connecting again' in str(bench.bridge.problems), 'the loss')
+    bench.until(lambda: not str(bench.bridge.problems), 'no problem')
+    partner.publish('plant/speed', '8')
+    bench.until(lambda: bench.inputs.get('analog_input.2') == 8.0, 'the input')
+    line.end()
+
+
+def test_messages_do_not_wait_for_acknowledgements_of_the_network(partner: MqttPartner, start: Start):
+    partner.start()
+    bench = connected(start(partner, ROWS))
+    client = bench.ports['mqtt broker']._link._client
+    assert client.socket().getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 def test_a_broker_that_knows_its_users(start: Start):

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 import datetime as dt
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from asyncua import ua
-from asyncua.crypto.cert_gen import setup_self_signed_certificate
-from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from plant_bench import PlantBench
-from plant_partners import OpcuaPartner
+from plant_partners import Line, OpcuaPartner, certificate
 from robots_controller.io.io_map import parse_io_map
 from robots_core.errors import InvalidInputError
 
@@ -37,21 +34,14 @@ outputs:
 Start = Callable[..., PlantBench]
 
 
-def certificate(folder: Path, name: str) -> tuple[str, str]:
-    key, made = folder / f'{name}.pem', folder / f'{name}.der'
-    use = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
-    asyncio.run(
-        setup_self_signed_certificate(key, made, f'urn:{name}', 'localhost', use, {'commonName': name})
-    )
-    return str(made), str(key)
-
-
 @pytest.fixture
 def start() -> Iterator[Start]:
     benches: list[PlantBench] = []
 
-    def made(partner: OpcuaPartner, rows: str = ROWS, more: str = '') -> PlantBench:
-        benches.append(PlantBench(MAP.format(endpoint=partner.endpoint, more=more) + rows))
+    def made(partner: OpcuaPartner | Line, rows: str = ROWS, more: str = '') -> PlantBench:
+        benches.append(
+            PlantBench(MAP.format(endpoint=f'opc.tcp://127.0.0.1:{partner.port}', more=more) + rows)
+        )
         return benches[-1]
 
     yield made
@@ -152,6 +142,60 @@ def test_values_out_of_range_and_of_another_type(partner: OpcuaPartner, start: S
     problem = 'ns=2;s=word is 300; uint8 is a whole number in 0..255; digital_input.3 keeps its value'
     bench.until(lambda: problem in str(bench.bridge.problems), 'the range')
     assert bench.inputs['digital_input.3'] == 1.0
+
+
+@pytest.mark.parametrize(
+    'value',
+    [
+        ua.Variant('on', ua.VariantType.String),
+        ua.Variant(None, ua.VariantType.Null),
+        ua.Variant([1, 2], ua.VariantType.Int32),
+        ua.Variant(float('nan'), ua.VariantType.Double),
+        ua.Variant(1e300, ua.VariantType.Double),
+    ],
+    ids=str,
+)
+def test_values_of_another_type_leave_the_input(partner: OpcuaPartner, start: Start, value: ua.Variant):
+    partner.start()
+    bench = start(partner)
+    bench.until(lambda: bench.inputs.get('digital_input.3') == 1.0, 'the word')
+    partner.set('word', ua.DataValue(value))
+    bench.until(lambda: bench.bridge.problems.count > 0, 'a value that is lost')
+    assert 'digital_input.3 keeps its value' in str(bench.bridge.problems)
+    assert bench.inputs['digital_input.3'] == 1.0
+    told = [text for text in bench.told if 'digital_input.3 keeps its value' in text]
+    assert len(told) == 1
+    partner.set('word', ua.Variant(0, ua.VariantType.Int32))
+    bench.until(lambda: bench.inputs['digital_input.3'] == 0.0, 'the next value')
+
+
+def test_a_flood_of_changes_ends_with_the_newest(
+    partner: OpcuaPartner, start: Start, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr('robots_controller.io.plant.plant_connection.MOST_ARRIVALS', 5)
+    partner.start()
+    bench = start(partner)
+    bench.until(lambda: bench.inputs.get('digital_input.3') == 1.0, 'the inputs')
+    for n in range(500):
+        partner.set('force', float(n))
+    bench.until(lambda: bench.inputs['analog_input.1'] == 0.499, 'the newest')
+    told = [text for text in bench.told if 'came faster than they could be taken' in text]
+    assert len(told) == (bench.bridge.problems.count > 0)
+
+
+def test_late_answers_do_not_hold_up_the_loop(partner: OpcuaPartner, start: Start):
+    partner.start()
+    line = Line(partner.port, delay=0.5)
+    line.start()
+    bench = start(line)
+    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
+    bench.switch(d1=1.0, a1=1.0)
+    bench.until(lambda: partner.get('count') == 10, 'the outputs')
+    bench.works_while_it_waits('opcua line', lambda: line.hold(held=True), d1=0.0)
+    line.hold(held=False)
+    bench.until(lambda: not bench.ports['opcua line']._busy, 'the confirmation')
+    assert not partner.get('start')
+    line.end()
 
 
 def test_encryption_and_users(partner: OpcuaPartner, start: Start, tmp_path: Path):

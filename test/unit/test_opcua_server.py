@@ -13,7 +13,7 @@ import pytest
 from asyncua import ua
 
 from opcua_client import ROBOTICS, Nodes, as_client
-from plant_partners import free_port
+from plant_partners import DEADLINE, certificate, free_port
 from robots_controller.io.io_image import Channel
 from robots_controller.opcua.robot_server import RobotServer
 from robots_controller.opcua.server_settings import ServerSettings, read_server_settings
@@ -23,8 +23,6 @@ from robots_core import load_robot_model
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError, NoAnswerError, NotNowError, RobotsError
 from robots_core.operating_modes import Commander, OperatingMode
-
-from .test_opcua import certificate
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 SYSTEM = 'di:DeviceSet/MotionDeviceSystem'
@@ -307,6 +305,42 @@ def test_states_of_the_program_are_those_of_the_task_control(plain: Served) -> N
     plain.show()
 
 
+def test_transitions_of_the_program_are_events(plain: Served) -> None:
+    machine = 'TaskControlOperation/TaskControlStateMachine'
+    ready = f'{machine}/ReadySubstateMachine'
+    wanted = [
+        (machine, 'ReadyToExecuting', 'Ready', 'Executing'),
+        (machine, 'ExecutingToReady', 'Executing', 'Ready'),
+        (machine, 'ReadyToIdle', 'Ready', 'Idle'),
+    ]
+    events: asyncio.Queue[tuple[str, str, str, str]] = asyncio.Queue()
+
+    class Listener:
+        @staticmethod
+        def event_notification(event: Any) -> None:
+            source = event.SourceNode.Identifier
+            below = ready if source.endswith(ready) else machine
+            assert source.endswith(below)
+            assert event.Message.Text == f'Robot program: {event.Transition.Text}'
+            assert getattr(event, 'ToState/Id').NamespaceIndex > 0
+            events.put_nowait((below, event.Transition.Text, event.FromState.Text, event.ToState.Text))
+
+    async def work(nodes: Nodes) -> None:
+        subscription = await nodes.client.create_subscription(10, Listener())
+        await subscription.subscribe_events(evtypes=ua.ObjectIds.TransitionEventType)
+        for state in (RunState.RUNNING, RunState.FINISHED, RunState.IDLE):
+            await asyncio.to_thread(plain.show, program=ShownProgram('/cell/welding.lua', state))
+        found: list[tuple[str, str, str, str]] = []
+        async with asyncio.timeout(DEADLINE):
+            while len(found) < len(wanted):
+                found += [one for one in [await events.get()] if one[0] == machine]
+        assert found == wanted
+
+    plain.show()
+    plain.client(work)
+    plain.show()
+
+
 def test_faults_are_emergency_or_protective_stops(plain: Served) -> None:
     async def stops(nodes: Nodes) -> list[bool]:
         return [
@@ -332,12 +366,13 @@ def test_who_may_operate_loads_starts_and_stops_programs(secured: Served) -> Non
         assert await nodes.call(f'{MACHINE}/rob:Start') == 0
         assert await nodes.call(f'{MACHINE}/rob:Stop', ua.Variant(0, ua.VariantType.Int64)) == 0
         assert await nodes.call(f'{MACHINE}/rob:ReadySubstateMachine/rob:ResetToProgramStart') == 0
+        assert await nodes.call(f'{MACHINE}/rob:UnloadProgram') == 0
         await nodes.write(f'{CHANNELS}/analog_output.1', 4.5, ua.VariantType.Double)
         assert await nodes.value(f'{CHANNELS}/analog_output.1') == 4.5
         assert await nodes.value(f'{DEVICE}/di:Manufacturer') == ua.LocalizedText('KUKA')
 
     secured.client(work, **OPERATOR)
-    services = ['run', 'pause', 'resume', 'stop', 'reset']
+    services = ['run', 'pause', 'resume', 'stop', 'reset', 'close']
     expected = ['press.lua', *(f'lua_program_node/{name}' for name in services), ('analog_output.1', 4.5)]
     assert secured.cell.calls == expected
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.joint_rows import seconds
+from robots_core.base_frames import AT_BASE, frame_in_base
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
@@ -91,7 +92,9 @@ class GuideRecording:
             )
 
 
-def read_guide_recording(path: Path | str, joints: Sequence[str], *, cabin: bool = False) -> GuideRecording:
+def read_guide_recording(
+    path: Path | str, joints: Sequence[str], *, base_link: Pose = AT_BASE, cabin: bool = False
+) -> GuideRecording:
     """Read what guided a robot, from a recording of a sensor or of a whole cell.
 
     It begins where the recorded cell handed its robot over for the first time (its topic `guide`),
@@ -100,6 +103,7 @@ def read_guide_recording(path: Path | str, joints: Sequence[str], *, cabin: bool
     Args:
         path: A rosbag2 folder, or one .mcap or .db3 file.
         joints: Names of the robot's n joints.
+        base_link: See `BaseRobotModel.base_link`.
         cabin: The robot carries a cabin, and its driver's inputs or the motion of a vehicle are read in the
             place of references.
 
@@ -120,7 +124,7 @@ def read_guide_recording(path: Path | str, joints: Sequence[str], *, cabin: bool
         if stamp < start:
             continue
         try:
-            value, frame = _value(topic, message, joints)
+            value, frame = _value(topic, message, joints, base_link)
         except (AttributeError, RobotsError) as error:
             raise BagError(f'{bag.path}: message {number} of {topic}: {error}') from error
         stamped = round(seconds(message.header.stamp) * NANOSECONDS)
@@ -143,19 +147,23 @@ def _start(bag: Bag, topics: Sequence[str], stamps: Sequence[int], guides: Seque
 
 
 def _value(
-    topic: str, message: Any, joints: Sequence[str]
+    topic: str, message: Any, joints: Sequence[str], base_link: Pose
 ) -> tuple[Pose | Array | DriverInputs | VehicleMotion, JogAxes]:
     if topic[1:] in INPUTS:
         return read_input(topic[1:], message), 'base'
     match topic:
         case '/reference_pose':
             p, o = message.pose.position, message.pose.orientation
-            return Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w]), 'base'
+            pose = Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
+            return frame_in_base(message.header.frame_id, base_link) @ pose, 'base'
         case '/teach_joints':
             return _velocities(message, joints), 'base'
     v, w = message.twist.linear, message.twist.angular
     twist = finite_vector([v.x, v.y, v.z, w.x, w.y, w.z], 6, 'twist')
-    return twist, jog_axes(message.header.frame_id) if topic == '/teach_twist' else 'base'
+    if topic == '/teach_twist':
+        return twist, jog_axes(message.header.frame_id)
+    turn = frame_in_base(message.header.frame_id, base_link).T
+    return np.ravel(twist.reshape(2, 3) @ turn.T), 'base'
 
 
 def _velocities(message: Any, joints: Sequence[str]) -> Array:

@@ -212,6 +212,17 @@ class ProgramHost:
         self._report_well()
         return f'{self.program.file} is at its start'
 
+    def close(self) -> str:
+        """Close the program.
+
+        Raises:
+            ProgramError: no program is open, it is running, or the robot still moves.
+        """
+        closed = self.program.file
+        self.program.close()
+        self._report_well()
+        return f'{closed} is closed'
+
     def make_outputs_safe(self) -> None:
         """Set all outputs to their fail-safe values, and switch nothing more on the path of a motion."""
         self._unsafe = False

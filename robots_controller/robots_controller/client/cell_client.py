@@ -9,7 +9,6 @@ from typing import Any, Final, Self
 from diagnostic_msgs.msg import DiagnosticStatus
 from numpy.typing import ArrayLike
 from rcl_interfaces.srv import GetParameters
-from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
@@ -28,7 +27,7 @@ from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR, STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, frame, frame_numbers
@@ -91,19 +90,19 @@ class CellClient:
         self._settings: dict[str, object] = {}
         self._zones: dict[str, object] = {}  # blend zones of the motion before
         self._motions: dict[MotionCommand, Motion] = {}  # by command, in their order
-        self._states = PolledSubscription(node, JointState, 'joint_states', SENSOR, raw=True)
+        self._states = PolledSubscription(node, JointState, 'joint_states', raw=True)
         self._reader = JointStateReader(names)
         self._position: Array | None = None
         self._latched: dict[str, str] = {}
-        self._override = node.create_publisher(Float64, 'override', STATE)
+        self._override = make_publisher(node, Float64, 'override')
         self._planner = PlannerClient(node, names)
         self._queue = commanded_motions(
             node, self._planner, self._connection.send, self._ended, patience=patience
         )
-        node.create_subscription(Float64, 'motion_progress', self._advanced, QoSProfile(depth=1))
+        subscribe(node, Float64, 'motion_progress', self._advanced)
         for topic in ('commander', 'operating_mode'):
-            node.create_subscription(String, topic, partial(self._on_text, topic), STATE)
-        node.create_subscription(DiagnosticStatus, 'stop_status', self._on_stop, STATE)
+            subscribe(node, String, topic, partial(self._on_text, topic))
+        subscribe(node, DiagnosticStatus, 'stop_status', self._on_stop)
         node.create_timer(WATCH_PERIOD, self._queue.watch)
 
     def close(self) -> None:

@@ -9,16 +9,14 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
 
 from robots_controller.client.cell_services import CellServices
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.ros.messages import diagnostic_values, number_in
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import subscribe
 
 ENDED: Final = frozenset({RunState.FINISHED, RunState.FAILED, RunState.STOPPED})
-PRINTS: Final = QoSProfile(depth=100)
 
 
 def set_parameters(services: CellServices, node: str, **values: object) -> None:
@@ -56,8 +54,8 @@ class ProgramClient:
         self._status: dict[str, str] = {}
         self.on_print: Callable[[str], object] | None = None
         """Called with each text that the program prints, in the client's thread."""
-        connection.node.create_subscription(DiagnosticStatus, 'program_status', self._on_status, STATE)
-        connection.node.create_subscription(Log, '/rosout', self._on_log, PRINTS)
+        subscribe(connection.node, DiagnosticStatus, 'program_status', self._on_status)
+        subscribe(connection.node, Log, '/rosout', self._on_log)
         namespace = connection.node.get_namespace().strip('/').replace('/', '.')
         self._printer = f'{namespace}.lua_program_node.print'.lstrip('.')
 

@@ -108,6 +108,18 @@ class LuaProgram(ProgramState):
             self.line, self.error = 0, None
             self.set_run_state(RunState.OPENED)
 
+    def close(self) -> None:
+        """Close the program; none is open then.
+
+        Raises:
+            ProgramError: no program is open, it runs, or the robot still moves.
+        """
+        with self.condition:
+            self._source_at_rest('close')
+            self._source = self._line_source = None
+            self.line, self.error = 0, None
+            self.set_run_state(RunState.IDLE)
+
     def run(self, *, hold: bool = False) -> None:
         """Run the opened program from its start, in a parallel thread.
 

@@ -14,7 +14,6 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
@@ -44,6 +43,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import every_message
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import MOTION_KINDS
 
@@ -51,9 +51,6 @@ from robots_planning.motion_kinds import MOTION_KINDS
 ORDERING_TIME = 0.06  # s
 SERVICE_WAIT = 5.0  # s
 SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/stop')
-
-LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-VOLATILE = QoSProfile(depth=100, durability=DurabilityPolicy.VOLATILE)
 
 
 class CellMonitor(Node):
@@ -73,18 +70,18 @@ class CellMonitor(Node):
         self._events: list[tuple[float, int, Event]] = []
         self._count = itertools.count()
 
-        self._listen(DiagnosticArray, '/diagnostics', self._health, VOLATILE)
-        self._listen(Log, '/rosout', _prints, LATCHED)
-        self._listen(DiagnosticStatus, 'program_status', _program_status, LATCHED)
+        self._listen(DiagnosticArray, '/diagnostics', self._health)
+        self._listen(Log, '/rosout', _prints)
+        self._listen(DiagnosticStatus, 'program_status', _program_status)
         for kind in MOTION_KINDS:
             listen = partial(_command, kind.title)
-            self._listen(message_class(kind.message_type), kind.topic, listen, VOLATILE)
-        self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
-        self._listen(DiagnosticStatus, 'motion_result', lambda m: (motion_result_from_message(m),), VOLATILE)
+            self._listen(message_class(kind.message_type), kind.topic, listen)
+        self._listen(JointTrajectory, 'joint_trajectory', _planned)
+        self._listen(DiagnosticStatus, 'motion_result', lambda m: (motion_result_from_message(m),))
         # In every period of a lock-step run; the view shows the newest.
-        self._progress = PolledSubscription(self, Float64, 'motion_progress', QoSProfile(depth=1))
-        self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
-        self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'), LATCHED)
+        self._progress = PolledSubscription(self, Float64, 'motion_progress')
+        self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'))
+        self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'))
 
     @property
     def outputs(self) -> dict[Kind, UInt8MultiArray | Float64MultiArray]:
@@ -114,9 +111,7 @@ class CellMonitor(Node):
         future: Future = client.call_async(Trigger.Request())
         return future
 
-    def _listen(
-        self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]], qos: QoSProfile
-    ) -> None:
+    def _listen(self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]]) -> None:
         def on_message(message: Any, info: dict[str, int]) -> None:
             # What is not valid is refused and reported by the nodes that it is meant for.
             with self._lock, contextlib.suppress(RobotsError):
@@ -124,7 +119,7 @@ class CellMonitor(Node):
                     self._push(info, event)
 
         # rclpy hands the message's info to a callback that takes it; its annotation does not say so.
-        self.create_subscription(message_type, topic, on_message, qos)  # type: ignore[arg-type]
+        self.create_subscription(message_type, topic, on_message, every_message(topic))  # type: ignore[arg-type]
 
     def _push(self, info: dict[str, int], event: Event) -> None:
         heapq.heappush(self._events, (1e-9 * info['source_timestamp'], next(self._count), event))

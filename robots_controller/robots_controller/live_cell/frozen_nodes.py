@@ -9,7 +9,6 @@ from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR
 from robots_core.watchdog import LONGEST, Watchdog
 
 PATIENCE: Final = 10.0
@@ -29,7 +28,7 @@ class FrozenNodes:
         self.timeout = min(PATIENCE * watchdog, LONGEST)
         """Silence of a node that is frozen, s."""
         self._beats = {
-            name: PolledSubscription(monitor, UInt64, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
+            name: PolledSubscription(monitor, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             for name in (names if watchdog else ())
         }
         self._watchdogs: dict[str, Watchdog] = {}

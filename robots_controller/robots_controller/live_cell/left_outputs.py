@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from robots_controller.io.fail_safe import FailSafe, fail_safe_texts, safe_value
 from robots_controller.io.io_image import Channel, Kind
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import make_publisher
 
 
 class LeftOutputs:
@@ -34,7 +34,7 @@ class LeftOutputs:
             ]
             self._values |= {output.name: value for output, value in zip(outputs, values, strict=True)}
             data = [int(value) for value in values] if kind == 'digital' else values
-            publisher = self._node.create_publisher(type(image), f'{kind}_outputs', STATE)
+            publisher = make_publisher(self._node, type(image), f'{kind}_outputs')
             publisher.publish(type(image)(layout=image.layout, data=data))
             self._publishers.append(publisher)
 

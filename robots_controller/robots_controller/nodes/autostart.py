@@ -10,7 +10,7 @@ from robots_controller.nodes.controller_client import ControllerClient
 from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.runtime_folder import first_time
 from robots_core.errors import RobotsError
-from robots_core.ros.qos import COMMAND, STREAM
+from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
 PERIOD: Final = 0.1  # s
@@ -63,8 +63,8 @@ class Autostart:
             return
         self._timer = node.create_timer(PERIOD, self._look)
         self._subscriptions = [
-            node.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, STREAM),
-            node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND),
+            subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
+            subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
         ]
 
     def _on_reference(self, _: JointTrajectory) -> None:

@@ -14,7 +14,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
-from rclpy.qos import qos_profile_parameter_events
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
@@ -39,7 +38,7 @@ from robots_core.ros.messages import (
     number_in,
     seconds,
 )
-from robots_core.ros.qos import COMMAND, SENSOR, subscribe_state
+from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
@@ -93,34 +92,30 @@ class CellReader:
 
     def _subscribe(self) -> None:
         def text(topic: str, read: Callable[[str], Any]) -> None:
-            subscribe_state(
-                self._node, String, topic, lambda message: self.show(**{topic: read(message.data)})
-            )
+            subscribe(self._node, String, topic, lambda message: self.show(**{topic: read(message.data)}))
 
         def flag(topic: str) -> None:
-            subscribe_state(self._node, Bool, topic, lambda message: self.show(**{topic: message.data}))
+            subscribe(self._node, Bool, topic, lambda message: self.show(**{topic: message.data}))
 
         text('commander', Commander)
         text('guide', Guide)
-        subscribe_state(
+        subscribe(
             self._node, String, 'operating_mode', lambda message: self.show(mode=OperatingMode(message.data))
         )
         flag('run_enabled')
         flag('drives_on')
-        subscribe_state(self._node, Float64, 'override', self._on_override)
-        subscribe_state(self._node, Float64, 'min_distance', lambda message: self.show(distance=message.data))
-        subscribe_state(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
-        subscribe_state(self._node, DiagnosticStatus, 'program_status', self._on_program)
-        subscribe_state(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)
+        subscribe(self._node, Float64, 'override', self._on_override)
+        subscribe(self._node, Float64, 'min_distance', lambda message: self.show(distance=message.data))
+        subscribe(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
+        subscribe(self._node, DiagnosticStatus, 'program_status', self._on_program)
+        subscribe(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)
         for image in IMAGES:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
-            subscribe_state(self._node, image_message(image), topic, partial(self._on_image, image))
-        self._node.poll(JointState, 'joint_states', self._on_joints, SENSOR, rate=RATE)
-        self._node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND)
-        subscribe_state(self._node, DiagnosticStatus, 'motion_settings', self._on_settings)
-        self._node.create_subscription(
-            ParameterEvent, '/parameter_events', self._on_parameters, qos_profile_parameter_events
-        )
+            subscribe(self._node, image_message(image), topic, partial(self._on_image, image))
+        self._node.poll(JointState, 'joint_states', self._on_joints, rate=RATE)
+        subscribe(self._node, DiagnosticArray, '/diagnostics', self._on_health)
+        subscribe(self._node, DiagnosticStatus, 'motion_settings', self._on_settings)
+        subscribe(self._node, ParameterEvent, '/parameter_events', self._on_parameters)
 
     # -- what the nodes report ----------------------------------------------------------------------------
 

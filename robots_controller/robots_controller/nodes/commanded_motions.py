@@ -10,7 +10,7 @@ from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.ros.messages import motion_result_from_message
-from robots_core.ros.qos import COMMAND
+from robots_core.ros.qos import subscribe
 from robots_core.ros.timed_node import TimedNode
 
 STOP = 'controller_node/stop'
@@ -41,10 +41,10 @@ def commanded_motions(
         on_sent=lambda _id, _command: None,
         on_result=on_result,
     )
-    node.create_subscription(
+    subscribe(
+        node,
         DiagnosticStatus,
         'motion_result',
         lambda message: motions.result(motion_result_from_message(message)),
-        COMMAND,
     )
     return motions

@@ -11,7 +11,7 @@ from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAut
 from robots_controller.control.control_loop import ControlLoop
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.heartbeat import HeartbeatWatch
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 PENDANT_LOST_AFTER = 1.0  # s; without its run button the robot stands before
@@ -55,14 +55,14 @@ class CommanderServices:
     ) -> None:
         self._node, self._control, self._on_mode = node, control, on_mode
         self._authority = control.controller.speed.authority
-        self._commander_publisher = node.create_publisher(String, 'commander', STATE)
-        self._mode_publisher = node.create_publisher(String, 'operating_mode', STATE)
-        self._enabled_publisher = node.create_publisher(Bool, 'run_enabled', STATE)
+        self._commander_publisher = make_publisher(node, String, 'commander')
+        self._mode_publisher = make_publisher(node, String, 'operating_mode')
+        self._enabled_publisher = make_publisher(node, Bool, 'run_enabled')
         for commander in COMMANDERS:
             name = commander.lower()
             node.serve(f'commander/{name}', partial(self._take, commander), SetBool)
             node.serve(f'take_over/{name}', partial(self._take_over, commander))
-        node.create_subscription(Bool, 'hold_to_run', self._on_hold, COMMAND)
+        subscribe(node, Bool, 'hold_to_run', self._on_hold)
         node.add_post_set_parameters_callback(self._on_parameters)
         timeout = PENDANT_LOST_AFTER if watched else 0.0
         self._watch = HeartbeatWatch(node, ('pendant_node',), timeout, self._on_pendant)

@@ -14,7 +14,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.presence import is_served
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 MISSING_SHOWN = 5.0  # s
@@ -36,7 +36,7 @@ class ControllerClient:
             for name in ('pause', 'resume', 'stop')
         }
         self._commander = node.create_client(SetBool, 'controller_node/commander/program')
-        self._override = node.create_publisher(Float64, 'override', STATE)
+        self._override = make_publisher(node, Float64, 'override')
         self._taken = self._asked = False
         self._answered = threading.Event()
         self._answered.set()
@@ -65,7 +65,7 @@ class ControllerClient:
             'run_enabled': (Bool, lambda one: host.run_enabled(enabled=one.data)),
         }
         for topic, (message_type, take) in takers.items():
-            self._node.create_subscription(message_type, topic, partial(self._report, take), STATE)
+            subscribe(self._node, message_type, topic, partial(self._report, take))
 
     def _report(self, take: Callable[[Any], object], message: Any) -> None:
         take(message)

@@ -44,7 +44,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -120,19 +120,19 @@ class ControllerNode(RobotNode):
         self._last_condition: tuple[bytes, str] | None = None
 
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
-        self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
-        self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        self._drives_publisher = self.create_publisher(Bool, 'drives_on', STATE)
-        self._stop_publisher = self.create_publisher(DiagnosticStatus, 'stop_status', STATE)
+        self._progress_publisher = make_publisher(self, Float64, 'motion_progress')
+        self._result_publisher = make_publisher(self, DiagnosticStatus, 'motion_result')
+        self._drives_publisher = make_publisher(self, Bool, 'drives_on')
+        self._stop_publisher = make_publisher(self, DiagnosticStatus, 'stop_status')
         self._commanders = CommanderServices(self, self._control, self._change_caps, watched=watchdog > 0.0)
-        self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
+        self._feedback = PolledSubscription(self, JointState, 'joint_states', raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
-        self.create_subscription(
+        subscribe(
+            self,
             JointTrajectory,
             'joint_trajectory',
             self._on_trajectory,
-            COMMAND,
             from_anyone=lambda message: not message.points,  # it stops
         )
         self._listen_to_speed()
@@ -171,17 +171,17 @@ class ControllerNode(RobotNode):
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
     def _listen_to_speed(self) -> None:
-        subscribe_state(self, Float64, 'override', self._on_override)
-        subscribe_state(self, Float64, 'speed_scaling', self._on_scaling)
-        subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
+        subscribe(self, Float64, 'override', self._on_override)
+        subscribe(self, Float64, 'speed_scaling', self._on_scaling)
+        subscribe(self, DiagnosticStatus, 'motion_settings', self._on_settings)
 
     def _offer_stops(self) -> None:
         self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
-        subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
-        subscribe_state(self, Bool, 'robot_running', self._on_robot_running)
-        subscribe_state(self, DiagnosticStatus, 'contact_status', self._on_contact)
+        subscribe(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        subscribe(self, Bool, 'robot_running', self._on_robot_running)
+        subscribe(self, DiagnosticStatus, 'contact_status', self._on_contact)
         stopping: EmergencyInputs = self.parameter(
             'emergency_stop_inputs',
             [''],
@@ -190,7 +190,7 @@ class ControllerNode(RobotNode):
         )
         if stopping or self._zones.inputs:
             self._inputs = WatchedInputs(self._control, stopping, self._zones.inputs)
-            subscribe_state(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
+            subscribe(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
 
     # -- the loop ------------------------------------------------------------------------------------
 

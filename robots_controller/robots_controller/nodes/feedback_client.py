@@ -11,7 +11,6 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.errors import ProgramError
 from robots_core.ros.messages import joint_motion
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR
 from robots_core.ros.timed_node import TimedNode
 
 # Drives report their position far more often; a program that asks at its start waits for the first one.
@@ -29,7 +28,7 @@ class FeedbackClient:
 
     def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
         self._joint_names = joint_names
-        self._feedback = PolledSubscription(node, JointState, 'joint_states', SENSOR)
+        self._feedback = PolledSubscription(node, JointState, 'joint_states')
         self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
 

@@ -17,7 +17,7 @@ from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status, twist_stamped_message, wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
@@ -46,12 +46,12 @@ class ForceControlNode(RobotNode):
         self._outputs = OutputImages(self, self._channels, lambda: None)
         self._joints = JointStateReader(self.robot.axes_data.names)
         self._position: Array | None = None
-        self._status = self.create_publisher(DiagnosticStatus, 'contact_status', STATE)
-        self._twists = self.create_publisher(TwistStamped, 'reference_twist', COMMAND)
-        self._states = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
-        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench', SENSOR)
+        self._status = make_publisher(self, DiagnosticStatus, 'contact_status')
+        self._twists = make_publisher(self, TwistStamped, 'reference_twist')
+        self._states = PolledSubscription(self, JointState, 'joint_states', raw=True)
+        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench')
         self._handed_over = False
-        subscribe_state(self, String, 'guide', self._on_guide)
+        subscribe(self, String, 'guide', self._on_guide)
         self._report('')
         self.start_loop(self._step, period=PERIOD, name='force control')
 

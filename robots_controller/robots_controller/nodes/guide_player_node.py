@@ -11,7 +11,7 @@ from robots_controller.cell.guide_replay import GuideReplay
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
-from robots_core.ros.qos import COMMAND, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
@@ -29,18 +29,22 @@ class GuidePlayerNode(RobotNode):
         path = self.parameter('references', '', 'bag of what guides or jogs the robot')
         cabin = self.parameter('cabin', '', 'cabin (YAML): what moves it is played, joy and vehicle_imu')
         if path:
-            self._open(read_guide_recording(path, self.robot.axes_data.names, cabin=bool(cabin)))
+            self._open(self._read(path, cabin=bool(cabin)))
         else:
             self.ready('ready; parameter references is empty, nothing is played')
+
+    def _read(self, path: str, *, cabin: bool) -> GuideRecording:
+        robot = self.robot
+        return read_guide_recording(path, robot.axes_data.names, base_link=robot.base_link, cabin=cabin)
 
     def _open(self, recording: GuideRecording) -> None:
         self._replay = GuideReplay(recording)
         self._message_publishers = {
-            topic: self.create_publisher(message_class(type_name), topic, COMMAND)
+            topic: make_publisher(self, message_class(type_name), topic)
             for topic, type_name in recording.types.items()
         }
         self._timer = self.create_timer(1.0, self._play, autostart=False)
-        subscribe_state(self, String, 'guide', self._on_guide)
+        subscribe(self, String, 'guide', self._on_guide)
         self.ready(messages=len(recording.messages))
 
     def _on_guide(self, message: String) -> None:

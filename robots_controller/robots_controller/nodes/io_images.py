@@ -10,7 +10,7 @@ from std_msgs.msg import Float64MultiArray, MultiArrayLayout, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel, image_sizes
 from robots_core.ros.messages import doubles
-from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import Array, finite_vector
 
@@ -29,7 +29,7 @@ class ImagePublisher:
         self, node: Node, image: str, topic: str = '', layout: MultiArrayLayout | None = None
     ) -> None:
         self._message, self._layout = image_message(image), layout or MultiArrayLayout()
-        self.publisher: Any = node.create_publisher(self._message, topic or image, STATE)
+        self.publisher: Any = make_publisher(node, self._message, topic or image)
         self._published: bytes | None = None
 
     def publish(self, values: Array) -> None:
@@ -84,7 +84,7 @@ class OutputImages:
         self._seen: dict[str, float] = {}
         for image in image_sizes(channels):
             self._seen[image] = node.now()
-            subscribe_state(node, image_message(image), image, partial(self._on_message, image))
+            subscribe(node, image_message(image), image, partial(self._on_message, image))
 
     def value(self, channel: Channel) -> float | None:
         """Value of an output; None before the first image, and 0 if the image is too short for it."""

@@ -16,7 +16,7 @@ from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
 from robots_controller.nodes.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status
-from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
@@ -43,18 +43,24 @@ class IoServices:
 
     Topics: `digital_inputs`, `analog_inputs` in; `digital_outputs`, `analog_outputs`, the inputs as the
     program reads them below the node's name, and `forced_inputs` out, all latched.
-    Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services, and
-    `~/digital_input_1/set` and so on. A channel's name with `.force` behind it stands for its forced value;
-    set to no value it releases the input.
+    Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services. A
+    channel's name with `.force` behind it stands for its forced value; set to no value it releases the input.
 
     Args:
         node: Owner of the topics and services.
         image: The image.
         on_inputs: Inputs came on a topic: the error, or None.
+        channel_services: Serve each digital channel too, as `~/digital_input_1/set`; the executor waits for
+            every service at each wake-up.
     """
 
     def __init__(
-        self, node: RobotNode, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
+        self,
+        node: RobotNode,
+        image: IoImage,
+        on_inputs: Callable[[str, InvalidInputError | None], None],
+        *,
+        channel_services: bool,
     ) -> None:
         self._image = image
         self._on_inputs = on_inputs
@@ -67,9 +73,9 @@ class IoServices:
             )
             for name in IMAGES
         }
-        self._forced_publisher = node.create_publisher(DiagnosticStatus, 'forced_inputs', STATE)
+        self._forced_publisher = make_publisher(node, DiagnosticStatus, 'forced_inputs')
         for name in ('digital_inputs', 'analog_inputs'):
-            subscribe_state(node, image_message(name), name, partial(self._on_message, name))
+            subscribe(node, image_message(name), name, partial(self._on_message, name))
         for kind, name, serve in (
             (GetParameters, 'get_io', self._get),
             (SetParameters, 'set_io', self._set),
@@ -78,7 +84,7 @@ class IoServices:
         ):
             node.create_service(kind, f'~/{name}', serve)
         for channel in image.channels:
-            if channel.kind == 'digital':
+            if channel_services and channel.kind == 'digital':
                 name = f'{channel.kind}_{channel.direction}_{channel.index}/set'
                 node.serve(name, partial(self._set_digital, channel), SetBool)
         self.publish()
@@ -118,11 +124,12 @@ class IoServices:
 
     def _on_message(self, topic: str, message: UInt8MultiArray | Float64MultiArray) -> None:
         try:
-            self._image.set_inputs(_kind(topic), message.data)
+            changed = self._image.set_inputs(_kind(topic), message.data)
         except InvalidInputError as error:
             self._on_inputs(topic, error)
         else:
-            self.publish()
+            if changed:
+                self.publish()
             self._on_inputs(topic, None)
 
     def _get(self, request: GetParameters.Request, response: GetParameters.Response) -> Any:

@@ -42,7 +42,7 @@ from robots_core.ros.messages import (
     diagnostic_status,
     motion_result_from_message,
 )
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import one_of
@@ -76,6 +76,9 @@ class LuaProgramNode(RobotNode):
             )
             for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE))
         }
+        channel_services = self.parameter(
+            'channel_services', False, 'serve each digital channel by itself, as ~/digital_input_1/set'
+        )
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
         timeout = self.parameter(
             'planner_timeout', 5.0, 'longest wait of a motion for planning_node, s', bounds=(0.1, 600.0)
@@ -88,9 +91,9 @@ class LuaProgramNode(RobotNode):
             read=parse_fail_safe,
         )
         axes = self.robot.axes_data
-        self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
-        self._guide_publisher = self.create_publisher(String, 'guide', STATE)
-        self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
+        self._command_state_publisher = make_publisher(self, String, 'command_state')
+        self._guide_publisher = make_publisher(self, String, 'guide')
+        self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
         self._print_logger = self.journal.get_child('print')
         self._feedback = FeedbackClient(self, axes.names)
         self._planner = PlannerClient(self, axes.names)
@@ -135,16 +138,17 @@ class LuaProgramNode(RobotNode):
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
-        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
+        subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
         self._controller.report_to(self.host, self._changed)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
         self._watchdog = watchdog_parameter(self)
         HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
-        self._io = IoServices(self, self._program.io, self._on_inputs)
+        self._io = IoServices(self, self._program.io, self._on_inputs, channel_services=channel_services)
         host, teaching = self.host, PointTeaching(self.robot, self._program)
         handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
+            'close': host.close,
             'run': host.run,
             'pause': host.pause,
             'resume': host.resume,

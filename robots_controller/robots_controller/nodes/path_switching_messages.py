@@ -15,7 +15,7 @@ from robots_core.ros.lockstep.phases import NEVER, Phase
 from robots_core.ros.lockstep.timed_work import LockstepTurn
 from robots_core.ros.messages import diagnostic_values, number_in, serialized_stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, STREAM
+from robots_core.ros.qos import subscribe
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import fraction
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
@@ -36,17 +36,17 @@ class PathSwitchingMessages:
         self._timer: threading.Timer | None = None
         self._trajectories: dict[str, bytes] = {}  # whose `motion_plan` has not come yet
         self._ends: dict[str, dict[str, float]] = {}  # of a motion whose trajectory has not come yet
-        node.create_subscription(DiagnosticStatus, 'motion_plan', self._on_plan, COMMAND)
+        subscribe(node, DiagnosticStatus, 'motion_plan', self._on_plan)
         # A motion that switches nothing is not worth its deserialization.
-        node.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
+        subscribe(node, JointTrajectory, 'joint_trajectory', self._on_trajectory, raw=True)
         self._turn: LockstepTurn | None = None
         if node.participant is None:
-            node.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+            subscribe(node, Float64, 'motion_progress', self._on_progress)
         else:
             # Progress comes in every period; it is looked at only while there is something to switch, after
             # the controller and before any node that observes the outputs.
             self._turn = node.participant.create_turn(self._look, phase=Phase.DRIVES)
-            self._progress = PolledSubscription(node, Float64, 'motion_progress', STREAM)
+            self._progress = PolledSubscription(node, Float64, 'motion_progress')
 
     def _on_trajectory(self, data: bytes) -> None:
         id_ = serialized_stamp_id(data)

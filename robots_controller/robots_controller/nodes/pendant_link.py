@@ -23,7 +23,7 @@ from robots_core.operating_modes import OperatingMode
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_values, seconds, twist_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 
@@ -43,16 +43,16 @@ class PendantLink(ProgramLink):
         super().__init__(node, PATIENCE)
         self._node = node
         self._names = list(node.robot.axes_data.names)
-        self._twists = node.create_publisher(TwistStamped, 'teach_twist', STREAM)
-        self._joints = node.create_publisher(JointState, 'teach_joints', STREAM)
-        self._holds = node.create_publisher(Bool, 'hold_to_run', COMMAND)
-        self._overrides = node.create_publisher(Float64, 'override', STATE)
+        self._twists = make_publisher(node, TwistStamped, 'teach_twist')
+        self._joints = make_publisher(node, JointState, 'teach_joints')
+        self._holds = make_publisher(node, Bool, 'hold_to_run')
+        self._overrides = make_publisher(node, Float64, 'override')
         self._services.prepare(STOPS)
         self._moves = PendantMoves(node, self._services)
-        self._ghosts = node.create_publisher(JointState, 'ghost', STATE)
-        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)
+        self._ghosts = make_publisher(node, JointState, 'ghost')
+        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self._reference: Array | None = None
-        self._feedback = PolledSubscription(node, JointState, 'joint_states', SENSOR)
+        self._feedback = PolledSubscription(node, JointState, 'joint_states')
 
     def jog_axes(self, velocity: Array) -> None:
         """See `PendantPort`."""

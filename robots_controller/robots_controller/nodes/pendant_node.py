@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from rcl_interfaces.msg import Log
-from rclpy.qos import QoSProfile
 
 from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
@@ -23,11 +22,11 @@ from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import InstallationError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import seconds
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 from robots_planning.pathplanning import PathPlanning
 
-LOGS: Final = QoSProfile(depth=100)
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
 
 
@@ -42,7 +41,9 @@ class PendantNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('pendant_node', **options)
-        port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
+        port = self.parameter(
+            'port', 8090, 'first port to try for the page; 0 lets the system choose', bounds=PORTS
+        )
         host = self.parameter(
             'host',
             THIS_MACHINE,
@@ -71,7 +72,7 @@ class PendantNode(RobotNode):
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
-        self.create_subscription(Log, '/rosout', self._on_log, LOGS)
+        subscribe(self, Log, '/rosout', self._on_log)
         self._server = self._serve(port, Path(folder).resolve(), access)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)

@@ -15,7 +15,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id
 from robots_core.ros.presence import publishers_of, subscribers_of
-from robots_core.ros.qos import COMMAND
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.timed_node import TimedNode
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 
@@ -38,8 +38,7 @@ class PlannerClient(PlannerSettings):
             self._turn = node.participant.create_turn(self._apply_waiting, phase=Phase.PLANNING)
         self._planners: set[bytes] = set()  # identities of planners' publishers
         self._publishers = {
-            kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
-            for kind in MOTION_KINDS
+            kind: make_publisher(node, message_class(kind.message_type), kind.topic) for kind in MOTION_KINDS
         }
 
     def plans(self, command: MotionCommand) -> bool:

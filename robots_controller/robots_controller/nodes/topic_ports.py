@@ -41,6 +41,9 @@ class _Topic:
     def arrivals(self) -> Sequence[Arrival]:
         return ()
 
+    def lost(self) -> int:
+        return 0
+
     def send(self, values: Mapping[Any, Number]) -> None:
         pass
 

@@ -15,7 +15,7 @@ from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 if TYPE_CHECKING:
@@ -66,10 +66,10 @@ class WatchedZones:
         self._control = control
         if self.guard is None or not self.guard.states:
             return
-        self._publisher = self._node.create_publisher(DiagnosticStatus, TOPIC, STATE)
+        self._publisher = make_publisher(self._node, DiagnosticStatus, TOPIC)
         for other in {name for zone in self._scene.zones for name in zone.shared_with}:
-            self._node.create_subscription(
-                DiagnosticStatus, f'{other.rstrip("/")}/{TOPIC}', partial(self._on_claims, other), STATE
+            subscribe(
+                self._node, DiagnosticStatus, f'{other.rstrip("/")}/{TOPIC}', partial(self._on_claims, other)
             )
 
     def publish_claims(self) -> None:

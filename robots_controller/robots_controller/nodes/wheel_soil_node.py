@@ -10,7 +10,7 @@ from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.nodes.io_images import OutputImages
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import joint_values
-from robots_core.ros.qos import SENSOR, STATE
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
@@ -33,8 +33,8 @@ class WheelSoilNode(RobotNode):
         self._setup, self._contact = setup, setup.contact()
         self._names = list(self.robot.axes_data.names)
         self._outputs = OutputImages(self, [setup.slip], lambda: None)
-        self._publisher = self.create_publisher(WrenchStamped, 'measured_wrench', STATE)
-        self.create_subscription(JointState, 'joint_states', self._measure, SENSOR)
+        self._publisher = make_publisher(self, WrenchStamped, 'measured_wrench')
+        subscribe(self, JointState, 'joint_states', self._measure)
 
     def _measure(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self._names, 'joint_states')

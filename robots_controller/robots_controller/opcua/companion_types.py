@@ -251,6 +251,7 @@ OBJECT_TYPES: Final[Mapping[str, ObjectType]] = {
         (
             Member('ReadySubstateMachine', 5039, 'object', 'ReadySubstateMachineType', optional=True),
             Member('LoadByName', 7011, 'method', optional=True),
+            Member('UnloadProgram', 7012, 'method', optional=True),
         ),
     ),
     'ReadySubstateMachineType': ObjectType(

@@ -114,6 +114,10 @@ class TaskControl:
             raise InvalidInputError(f'there is no program {name!r} in {self._programs}; there are {some}')
         return self._done('LoadByName', lambda: self._port.open_program(str(self._programs / name)))
 
+    def unload(self) -> Status:
+        """Close the program, so that none is loaded."""
+        return self._call('UnloadProgram', 'close')
+
     def reset(self) -> Status:
         """Set the program to its start."""
         return self._call('ResetToProgramStart', 'reset')

@@ -12,6 +12,7 @@ from robots_controller.opcua.companion_types import TRANSITION_REASONS, enumerat
 from robots_controller.opcua.instances import INACTIVE, Instances, argument
 from robots_controller.opcua.node_writer import NodeWriter
 from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
+from robots_controller.opcua.transition_events import TransitionEvents
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError
@@ -20,6 +21,7 @@ OPTIONAL: Final = (
     *('ExecutionMode', 'TaskControlOperation', 'MotionDevicesUnderControl', 'PossibleStopModes'),
     *('ConfiguredDefaultStopMode', 'ReadySubstateMachine'),
 )
+PROGRAM: Final = 'Robot program'
 STOP_TEXTS: Final = {StopMode.HOLD: 'Hold', StopMode.END: 'End'}
 REASONS: Final = {RunState.FAILED: 'Error', RunState.FINISHED: 'Application'}
 """Of transitions into a state; others are made directly, or from outside by a method."""
@@ -41,6 +43,7 @@ class TaskNodes:
         self._ready = f'{self._machine}/ReadySubstateMachine'
         self._states: dict[str, str] = {}
         self._from_outside = False
+        self._events = TransitionEvents(instances, writer, PROGRAM)
 
     async def build(self, parent: ua.NodeId, device: ua.NodeId) -> None:
         """Add the objects.
@@ -51,7 +54,7 @@ class TaskNodes:
         """
         made = self._made
         await made.add(self.path, 'TaskControlType', parent, optional=OPTIONAL)
-        await made.write(f'{self.path}/ComponentName', 'Robot program')
+        await made.write(f'{self.path}/ComponentName', PROGRAM)
         mode = enumeration_value('ExecutionModeEnumeration', 'CYCLE')
         await made.write(f'{self.path}/ParameterSet/ExecutionMode', mode)
         await made.write(f'{self.path}/TaskControlOperation/MotionDevicesUnderControl', [device])
@@ -63,6 +66,7 @@ class TaskNodes:
             await made.write(f'{machine}/LastTransitionReason/EnumValues', reasons)
             await self._write_reason(machine, 'Unknown')
             await made.write(f'{machine}/LastTransition', INACTIVE)  # there was none
+        await self._events.build((self._machine, self._ready))
 
     async def link(self, control: TaskControl) -> None:
         """Add the methods."""
@@ -72,6 +76,7 @@ class TaskNodes:
             (f'{self._machine}/Start', [], control.start),
             (f'{self._machine}/Stop', [mode], control.stop),
             (f'{self._machine}/LoadByName', [name], control.load),
+            (f'{self._machine}/UnloadProgram', [], control.unload),
             (f'{self._ready}/ResetToProgramStart', [], control.reset),
         )
         for path, inputs, work in methods:
@@ -138,6 +143,7 @@ class TaskNodes:
             await made.write(f'{machine}/LastTransition', transition)
             await made.write(f'{machine}/LastTransition/Id', writer.member_id(type_name, transition))
             await self._write_reason(machine, reason)
+            await self._events.send(machine, type_name, before, transition, state)
         return True
 
     async def _write_reason(self, machine: str, reason: str) -> None:

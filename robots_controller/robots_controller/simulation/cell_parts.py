@@ -158,4 +158,4 @@ def cell_parts(
 
 
 def _recording(path: Path | str, robot: BaseRobotModel, cabin: Path | str) -> GuideRecording:
-    return read_guide_recording(path, robot.axes_data.names, cabin=bool(cabin))
+    return read_guide_recording(path, robot.axes_data.names, base_link=robot.base_link, cabin=bool(cabin))

@@ -27,7 +27,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.presence import is_served
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import fraction, one_of
@@ -61,14 +61,14 @@ class CollisionNode(RobotNode):
         )
         self._names = list(self.robot.axes_data.names)
 
-        self._status = self.create_publisher(DiagnosticStatus, 'collision_status', STATE)
-        self._distance = self.create_publisher(Float64, 'min_distance', STATE)
+        self._status = make_publisher(self, DiagnosticStatus, 'collision_status')
+        self._distance = make_publisher(self, Float64, 'min_distance')
         self._stop_client = self.create_client(Trigger, f'{controller}/stop_before_collision')
         self._scene = WatchedScene(self, self._on_scene)
-        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
-        self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
-        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_result, COMMAND)
-        self.poll(JointState, 'joint_states', self._look, SENSOR, rate=rate)
+        subscribe(self, JointTrajectory, 'joint_trajectory', self._on_trajectory)
+        subscribe(self, Float64, 'motion_progress', self._on_progress)
+        subscribe(self, DiagnosticStatus, 'motion_result', self._on_result)
+        self.poll(JointState, 'joint_states', self._look, rate=rate)
 
     # -- what comes in -------------------------------------------------------------------------------
 

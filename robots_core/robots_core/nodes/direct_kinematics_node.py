@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values, pose_stamped_message
-from robots_core.ros.qos import SENSOR, STATE
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import finite_vector
@@ -30,8 +30,8 @@ class DirectKinematicsNode(RobotNode):
         rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
-        self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
-        self.poll(JointState, 'joint_states', self._publish, SENSOR, rate=rate)
+        self._publisher = make_publisher(self, PoseStamped, 'tcp_pose')
+        self.poll(JointState, 'joint_states', self._publish, rate=rate)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()
 

@@ -25,7 +25,7 @@ from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import doubles, wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import REFERENCE, SENSOR, STATE
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.reference_reader import ReferenceReader
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -65,8 +65,14 @@ class DriveNode(RobotNode):
             'bandwidth',
             [15.0],
             'second_order: natural frequency of the drives, Hz; one number or one per axis',
+            bounds=(0.01, 1000.0),
         )
-        damping = self.parameter('damping', [1.0], 'second_order: damping ratio; one number or one per axis')
+        damping = self.parameter(
+            'damping',
+            [1.0],
+            'second_order: damping ratio; one number or one per axis',
+            bounds=(0.01, 100.0),
+        )
         payload: Payload = payload_from_parameters(self)
         feed_forward = self.parameter(
             'feed_forward', True, 'rigid_body: torques for robot, payload and reference are fed forward'
@@ -90,7 +96,7 @@ class DriveNode(RobotNode):
             orbit=orbit,
         )
         self._carried = CarriedPayload(self._drives.load)
-        self._settings = PolledSubscription(self, DiagnosticStatus, 'motion_settings', STATE)
+        self._settings = PolledSubscription(self, DiagnosticStatus, 'motion_settings')
         self._injection = FaultInjection(axes.names)
         self._declare_faults()
         watchdog = watchdog_parameter(self)
@@ -104,9 +110,7 @@ class DriveNode(RobotNode):
         )
         # Only drives with masses feel what presses on the tool.
         masses = level == 'rigid_body'
-        self._wrenches = (
-            PolledSubscription(self, WrenchStamped, 'measured_wrench', SENSOR) if masses else None
-        )
+        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench') if masses else None
         self._problem = ''
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous
@@ -114,13 +118,13 @@ class DriveNode(RobotNode):
         if bodies is not None:  # imported on demand: only a base that floats needs it
             topics = import_module('robots_core.nodes.rendezvous_topics')
             self._bodies = topics.RendezvousTopics(self, bodies, self._report_grasp)
-        self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
-        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE, raw=True)
+        self._power = PolledSubscription(self, Bool, 'drives_on')
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', raw=True)
         self._reader = ReferenceReader(axes.names, 'joint_reference')
         self._rows: Array | None = None  # of the last valid reference
         self._reference = q, np.zeros_like(q)
         self._message = JointState(name=list(axes.names))
-        self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
+        self._publisher = make_publisher(self, JointState, 'joint_states')
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
             self._report(q, np.zeros_like(q))
         self._loop = self.start_loop(

@@ -25,7 +25,7 @@ from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_motion, matrix_message, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, finite_vector, one_of
@@ -71,20 +71,20 @@ class DynamicsNode(RobotNode):
         self._base = BaseMotion(orientation)
         self._load(payload_from_parameters(self))
         carried = CarriedPayload(self._load)
-        subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
+        subscribe(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
         if not self._floats:
-            subscribe_state(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
+            subscribe(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
         n = self.robot.num_axes
         self._acceleration: Array = np.zeros(n)
         self._last: tuple[float, Array] | None = None
         self._names = list(self.robot.axes_data.names)
-        self._motor_torques = self.create_publisher(JointState, 'joint_torques', STATE)
-        self._bias_torques = self.create_publisher(JointState, 'bias_torques', STATE)
-        self._mass_matrix = self.create_publisher(Float64MultiArray, 'mass_matrix', STATE)
-        self._tool_wrench = self.create_publisher(WrenchStamped, 'tcp_wrench', STATE)
-        self._base_wrench = self.create_publisher(WrenchStamped, 'base_wrench', STATE)
-        kind, qos = (JointState, SENSOR) if self._source == 'joint_states' else (JointTrajectory, REFERENCE)
-        self._motions = PolledSubscription(self, kind, self._source, qos)
+        self._motor_torques = make_publisher(self, JointState, 'joint_torques')
+        self._bias_torques = make_publisher(self, JointState, 'bias_torques')
+        self._mass_matrix = make_publisher(self, Float64MultiArray, 'mass_matrix')
+        self._tool_wrench = make_publisher(self, WrenchStamped, 'tcp_wrench')
+        self._base_wrench = make_publisher(self, WrenchStamped, 'base_wrench')
+        kind = JointState if self._source == 'joint_states' else JointTrajectory
+        self._motions = PolledSubscription(self, kind, self._source)
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()

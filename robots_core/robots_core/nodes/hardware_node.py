@@ -20,7 +20,7 @@ from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, doubles
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import REFERENCE, SENSOR, STATE, STREAM, subscribe_any, subscribe_state
+from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
 from robots_core.ros.reference_reader import ReferenceReader
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -64,13 +64,11 @@ class HardwareNode(RobotNode):
         self._problem: str | None = None
         self._joint_states = JointStateReader(names)
         self._reader = ReferenceReader(names, 'joint_reference')
-        self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
-        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE, raw=True)
+        self._power = PolledSubscription(self, Bool, 'drives_on')
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', raw=True)
         self._feedback = PolledSubscription(self, JointState, self._driver.joint_states, SENSOR, raw=True)
         own = self.resolve_topic_name('joint_states')
-        self._passed_on = (
-            None if own == self._driver.joint_states else self.create_publisher(JointState, own, STATE)
-        )
+        self._passed_on = None if own == self._driver.joint_states else make_publisher(self, JointState, own)
         self._names = list(names)
         self._failure, self._failed_at = '', -np.inf
         self._action: DriverAction | None = None
@@ -86,12 +84,12 @@ class HardwareNode(RobotNode):
     def _offer_state_of_robot(self) -> None:
         driver = self._driver
         if driver.running or driver.action is not None:
-            self._running_publisher = self.create_publisher(Bool, 'robot_running', STATE)
+            self._running_publisher = make_publisher(self, Bool, 'robot_running')
         if driver.running:
-            subscribe_state(self, Bool, driver.running, self._on_running)
+            subscribe_any_state(self, Bool, driver.running, self._on_running)
         if driver.speed_scaling:
             self._scaling = -1.0
-            self._scaling_publisher = self.create_publisher(Float64, 'speed_scaling', STATE)
+            self._scaling_publisher = make_publisher(self, Float64, 'speed_scaling')
             subscribe_any(self, Float64, driver.speed_scaling, self._on_scaling, STREAM)
 
     def _on_running(self, message: Bool) -> None:

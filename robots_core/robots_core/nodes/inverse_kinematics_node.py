@@ -26,9 +26,9 @@ from robots_core.operating_modes import Commander
 from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
+from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR, STREAM, subscribe_state
+from robots_core.ros.qos import subscribe
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -96,15 +96,13 @@ class InverseKinematicsNode(RobotNode):
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
         self._refusal, self._refusal_time = '', -math.inf
 
-        self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', SENSOR)
-        self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', SENSOR)
-        self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
+        self._poses = PolledSubscription(self, PoseStamped, 'reference_pose')
+        self._twists = PolledSubscription(self, TwistStamped, 'reference_twist')
+        self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference')
         carried = CarriedPayload(movement.load)
-        subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
+        subscribe(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
         self.commanders = CommanderWatch(self)
-        self._stream = ReferenceStream(
-            self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
-        )
+        self._stream = ReferenceStream(self, 'joint_trajectory', self._names, time_from_start=self._dt)
         self.create_timer(REPORT_PERIOD, self._report, phase=Phase.OBSERVE)
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
@@ -132,13 +130,14 @@ class InverseKinematicsNode(RobotNode):
     def _take_references(self, now: float) -> None:
         for message, _ in self._poses.take_all():
             try:
-                self._guidance.put(pose_from_message(message.pose), self._valid_at(message, now))
+                pose = pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
+                self._guidance.put(pose, self._valid_at(message, now))
             except RobotsError as error:
                 self._refuse_input('reference_pose', error)
         for twist_message, _ in self._twists.take_all():
-            v, w = twist_message.twist.linear, twist_message.twist.angular
             try:
-                self._guidance.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
+                twist = twist_in_base(twist_message, self.robot.base_link)
+                self._guidance.put_twist(twist, self._valid_at(twist_message, now))
             except RobotsError as error:
                 self._refuse_input('reference_twist', error)
 

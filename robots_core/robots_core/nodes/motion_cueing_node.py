@@ -14,7 +14,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, STREAM, subscribe_state
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.vehicle_inputs import INPUTS, read_input
@@ -43,12 +43,11 @@ class MotionCueingNode(RobotNode):
         self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
         self._guiding = self._moved = False
         self._inputs = {
-            topic: PolledSubscription(self, message_class(kind), topic, STREAM)
-            for topic, kind in INPUTS.items()
+            topic: PolledSubscription(self, message_class(kind), topic) for topic, kind in INPUTS.items()
         }
-        self._poses = self.create_publisher(PoseStamped, 'reference_pose', COMMAND)
-        self._twists = self.create_publisher(TwistStamped, 'reference_twist', COMMAND)
-        subscribe_state(self, String, 'guide', self._on_guide)
+        self._poses = make_publisher(self, PoseStamped, 'reference_pose')
+        self._twists = make_publisher(self, TwistStamped, 'reference_twist')
+        subscribe(self, String, 'guide', self._on_guide)
         self.start_loop(self._step, period=1.0 / RATE, name='motion cueing')
 
     def _on_guide(self, message: String) -> None:

@@ -18,7 +18,7 @@ from robots_core.ros.messages import (
     twist_stamped_message,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 
 
@@ -35,16 +35,16 @@ class RendezvousTopics:
         self, node: RobotNode, rendezvous: Rendezvous, on_report: Callable[[str, bool], None]
     ) -> None:
         self._node, self._rendezvous, self._on_report = node, rendezvous, on_report
-        self._guides = PolledSubscription(node, String, 'guide', STATE)
-        self._outputs = PolledSubscription(node, UInt8MultiArray, 'digital_outputs', STATE)
-        self._digital = node.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
-        self._analog = node.create_publisher(Float64MultiArray, 'analog_inputs', STATE)
-        self._references = node.create_publisher(PoseStamped, 'reference_pose', COMMAND)
-        self._twists = node.create_publisher(TwistStamped, 'reference_twist', COMMAND)
-        self._base = node.create_publisher(PoseStamped, 'base_pose', STATE)
-        self._target = node.create_publisher(PoseStamped, 'target_pose', STATE)
-        self._momentum = node.create_publisher(Float64MultiArray, 'momentum', STATE)
-        self._status = node.create_publisher(DiagnosticStatus, 'grasp_status', STATE)
+        self._guides = PolledSubscription(node, String, 'guide')
+        self._outputs = PolledSubscription(node, UInt8MultiArray, 'digital_outputs')
+        self._digital = make_publisher(node, UInt8MultiArray, 'digital_inputs')
+        self._analog = make_publisher(node, Float64MultiArray, 'analog_inputs')
+        self._references = make_publisher(node, PoseStamped, 'reference_pose')
+        self._twists = make_publisher(node, TwistStamped, 'reference_twist')
+        self._base = make_publisher(node, PoseStamped, 'base_pose')
+        self._target = make_publisher(node, PoseStamped, 'target_pose')
+        self._momentum = make_publisher(node, Float64MultiArray, 'momentum')
+        self._status = make_publisher(node, DiagnosticStatus, 'grasp_status')
         self._set: tuple[Any, Any] = (None, None)
         self._report: str | None = None
         self._publish_inputs()

@@ -14,7 +14,7 @@ from robots_core.blocks.link_frames import FramePose, LinkFrames
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.nodes.transforms import transform_message
 from robots_core.ros.messages import joint_values
-from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
@@ -47,7 +47,7 @@ class RobotStateNode(RobotNode):
         self._placed = {name: FramePose(FRAMES[name], name, pose) for name, pose in placed.items()}
         namespace = self.get_namespace().strip('/')
         self._prefix = f'{namespace}/' if namespace else ''
-        self._description = self.create_publisher(String, 'robot_description', STATE)
+        self._description = make_publisher(self, String, 'robot_description')
         self._description.publish(String(data=self.robot.description))
         self._tf: Any = None
         try:
@@ -56,11 +56,11 @@ class RobotStateNode(RobotNode):
             self.ready(f'ready; no transforms: tf2_msgs cannot be imported ({error})')
             self.journal.info(f'no transforms are published: tf2_msgs cannot be imported ({error})')
             return
-        self._tf = self.create_publisher(self._message, '/tf', COMMAND)
-        self._static = self.create_publisher(self._message, '/tf_static', STATE)
+        self._tf = make_publisher(self, self._message, '/tf')
+        self._static = make_publisher(self, self._message, '/tf_static')
         self._publish_static()
         self.add_post_set_parameters_callback(self._use_parameters)
-        self.poll(JointState, 'joint_states', self._publish, SENSOR, rate=rate)
+        self.poll(JointState, 'joint_states', self._publish, rate=rate)
         self.ready()
 
     def _publish(self, message: JointState) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
+from robots_core.base_frames import AT_BASE, BASE_FRAME, BASE_FRAMES, frame_in_base
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -15,15 +16,20 @@ from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mes
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
-from robots_core.ros.messages import BASE_FRAME, BASE_FRAMES, TOOL_FRAME, pose_from_message, pose_message
+from robots_core.ros.messages import TOOL_FRAME, pose_from_message, pose_message
 from robots_core.validation import Array
 
 
-def updated_scene(scene: Scene, message: MarkerArray) -> Scene:
+def updated_scene(scene: Scene, message: MarkerArray, base_link: Pose = AT_BASE) -> Scene:
     """The scene after a message: its markers added, replaced or deleted, in their order.
 
     A marker's name is its namespace, or `namespace/id` for an id above 0. Obstacles are in frame `base` (or
-    none), attached objects in `tool0`.
+    none) or `base_link`, attached objects in `tool0`.
+
+    Args:
+        scene: Before it.
+        message: The message.
+        base_link: See `BaseRobotModel.base_link`.
 
     Raises:
         InvalidInputError: a marker that is no solid; the scene then stays as it was.
@@ -41,14 +47,17 @@ def updated_scene(scene: Scene, message: MarkerArray) -> Scene:
         if marker.action == Marker.DELETE:
             continue
         c = marker.color
-        parts = name, _geometry(marker, name), pose_from_message(marker.pose), (c.r, c.g, c.b, c.a)
-        if marker.header.frame_id == TOOL_FRAME:
+        frame, pose = marker.header.frame_id, pose_from_message(marker.pose)
+        if frame in BASE_FRAMES:
+            pose = frame_in_base(frame, base_link) @ pose
+        parts = name, _geometry(marker, name), pose, (c.r, c.g, c.b, c.a)
+        if frame == TOOL_FRAME:
             attached[name] = AttachedObject(*parts)
-        elif marker.header.frame_id in BASE_FRAMES:
+        elif frame in BASE_FRAMES:
             objects[name] = SceneObject(*parts)
         else:
             raise InvalidInputError(
-                f'object {name!r} is in frame {marker.header.frame_id!r}; known are '
+                f'object {name!r} is in frame {frame!r}; known are '
                 f'{", ".join(filter(None, BASE_FRAMES))} and {TOOL_FRAME}'
             )
     return replace(scene, objects=tuple(objects.values()), attached=tuple(attached.values()))

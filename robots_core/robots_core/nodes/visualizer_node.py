@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from robots_core.blocks.visualizer import Visualizer
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
-from robots_core.ros.qos import SENSOR, subscribe_state
+from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 
@@ -36,10 +36,10 @@ class VisualizerNode(RobotNode):
         rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
         self._scene = WatchedScene(self, self._visualizer.show_scene)
-        subscribe_state(self, JointState, 'ghost', self._show_ghost)
+        subscribe(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self.poll(JointState, 'joint_states', self._update, SENSOR, rate=rate, clock=clock)
+        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 

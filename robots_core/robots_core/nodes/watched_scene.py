@@ -7,7 +7,7 @@ from visualization_msgs.msg import MarkerArray
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_messages import updated_scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
-from robots_core.ros.qos import COMMAND, STATE, subscribe_any, subscribe_quietly
+from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
 
@@ -26,14 +26,13 @@ class WatchedScene:
     def __init__(
         self, node: RobotNode, on_change: Callable[[Scene], None], scene: Scene | None = None
     ) -> None:
+        self._base_link = node.robot.base_link
         self.scene = scene_by_parameter(node) if scene is None else scene
         on_change(self.scene)
         self._on_change = on_change
-        # COMMAND loses none of several objects that are sent one by one; STATE receives what is latched.
-        subscribe_any(node, MarkerArray, 'collision_objects', self._on_objects, COMMAND)
-        subscribe_quietly(node, MarkerArray, 'collision_objects', self._on_objects, STATE)
+        subscribe(node, MarkerArray, 'collision_objects', self._on_objects)
 
     def _on_objects(self, message: MarkerArray) -> None:
-        scene = updated_scene(self.scene, message)
+        scene = updated_scene(self.scene, message, self._base_link)
         self._on_change(scene)
         self.scene = scene

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.drive_data import DriveData
@@ -80,6 +81,11 @@ class BaseRobotModel(ABC):
     def orientation_convention(self) -> str:
         """Orientation-angle convention of the robot's maker, one of `ORIENTATION_CONVENTIONS`."""
         return 'zyx'
+
+    @property
+    def base_link(self) -> Pose:
+        """The frame `base_link` of messages, seen from the base; the base itself unless the maker differs."""
+        return Pose.identity()
 
     @property
     def num_axes(self) -> int:

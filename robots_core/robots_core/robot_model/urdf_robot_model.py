@@ -181,6 +181,16 @@ class UrdfRobotModel(BaseRobotModel):
         shapes = self._shapes('collision', hulls=self._hulls)
         return CollisionModel(shapes, AllowedPairs.read(file) if file.is_file() else None)
 
+    @cached_property
+    def base_link(self) -> Pose:
+        """The link `base_link` where it is fixed to the base, and otherwise the base."""
+        model = self._model
+        if model.existFrame('base_link', pin.FrameType.BODY):
+            frame = model.frames[model.getFrameId('base_link', pin.FrameType.BODY)]
+            if frame.parentJoint == 0:
+                return Pose(frame.placement.translation, frame.placement.rotation)
+        return Pose.identity()
+
     @property
     def description(self) -> str:
         """The robot as URDF: from its base to all that hangs on it, `tool0` its tip, meshes absolute."""

@@ -5,7 +5,7 @@ from std_msgs.msg import String
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import Commander, OperatingMode, check_command
-from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
 NODES = {'lua_program_node': Commander.PROGRAM, 'pendant_node': Commander.PENDANT}
@@ -27,9 +27,9 @@ class CommanderWatch:
         """The operating mode; None before the controller has published it."""
         self.guide: Guide | None = None
         """What the program lets guide its robot; None without a program's node."""
-        node.create_subscription(String, 'commander', self._on_commander, STATE)
-        node.create_subscription(String, 'operating_mode', self._on_mode, STATE)
-        subscribe_state(node, String, 'guide', self._on_guide)
+        subscribe(node, String, 'commander', self._on_commander)
+        subscribe(node, String, 'operating_mode', self._on_mode)
+        subscribe(node, String, 'guide', self._on_guide)
 
     def check(self, sender: Commander) -> None:
         """Check that a commander may command the robot now.

@@ -11,7 +11,7 @@ from std_msgs.msg import UInt64
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.realtime import processor_share
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.timed_node import TimedNode
 from robots_core.watchdog import LONGEST, LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
@@ -35,7 +35,7 @@ class Heartbeat:
         self._node = node
         self.began: Final = time.time_ns()
         """On the clock of the system, which machines share."""
-        self._publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
+        self._publisher = make_publisher(node, UInt64, f'~/{HEARTBEAT}')
         self._message = serialize_message(UInt64(data=self.began))
         self._last = math.inf
         self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
@@ -76,7 +76,7 @@ class HeartbeatWatch:
         if timeout == 0.0 or node.simulated_time:
             return
         for name in names:
-            beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
+            beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
         node.create_timer(timeout / LOOKS, self._look)
 

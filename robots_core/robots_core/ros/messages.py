@@ -16,13 +16,12 @@ from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
+from robots_core.base_frames import BASE_FRAME, frame_in_base
 from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, bounded_vector
 
-BASE_FRAME: Final = 'base'
-BASE_FRAMES: Final = ('', BASE_FRAME, 'base_link')
 TOOL_FRAME: Final = 'tool0'
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
@@ -150,15 +149,33 @@ def pose_message(pose: Pose) -> PoseMessage:
     return message
 
 
-def check_base_frame(frame: str) -> None:
-    """Check that a message is in the frame of the robot's base, by either name of REP-199 or without a name.
+def pose_in_base(frame: str, message: PoseMessage, base_link: Pose) -> Pose:
+    """The pose in the robot's base, of a message in one of `BASE_FRAMES`.
+
+    Args:
+        frame: Of the message's header.
+        message: The pose there.
+        base_link: See `BaseRobotModel.base_link`.
 
     Raises:
-        InvalidInputError: it is in another one.
+        InvalidInputError: another frame, or what `pose_from_message` refuses.
     """
-    if frame not in BASE_FRAMES:
-        names = ' and '.join(map(repr, filter(None, BASE_FRAMES)))
-        raise InvalidInputError(f'frame {frame!r} is unknown; valid are {names}')
+    return frame_in_base(frame, base_link) @ pose_from_message(message)
+
+
+def twist_in_base(message: TwistStamped, base_link: Pose) -> Array:
+    """The twist (6,), m/s and rad/s, of a tool along and about the axes of the base.
+
+    Args:
+        message: In one of `BASE_FRAMES`.
+        base_link: See `BaseRobotModel.base_link`.
+
+    Raises:
+        InvalidInputError: it is in another frame.
+    """
+    v, w = message.twist.linear, message.twist.angular
+    turn = frame_in_base(message.header.frame_id, base_link).T
+    return np.ravel(np.array([[v.x, v.y, v.z], [w.x, w.y, w.z]]) @ turn.T)
 
 
 def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = BASE_FRAME) -> PoseStamped:

@@ -11,6 +11,7 @@ from rclpy.qos import QoSProfile
 from robots_core.ros.identified_messages import IdentifiedMessages
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.participant import PATIENCE, Participant
+from robots_core.ros.qos import polled_qos
 
 
 class PolledSubscription:
@@ -24,13 +25,20 @@ class PolledSubscription:
         node: Where the subscription belongs.
         message_type: The topic's type.
         topic: The topic's name.
-        qos: Depth 1 for the newest message only.
+        qos: Depth 1 for the newest message only; by default that of the suite's topic.
         raw: Take messages as bytes, not deserialized.
     """
 
     def __init__(
-        self, node: Node, message_type: Any, topic: str, qos: QoSProfile, *, raw: bool = False
+        self,
+        node: Node,
+        message_type: Any,
+        topic: str,
+        qos: QoSProfile | None = None,
+        *,
+        raw: bool = False,
     ) -> None:
+        qos = polled_qos(topic) if qos is None else qos
         self._subscription = node.create_subscription(
             message_type, topic, _never_called, qos, callback_group=NeverExecuted(), raw=raw
         )

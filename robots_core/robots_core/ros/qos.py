@@ -1,4 +1,4 @@
-"""Quality of service: one profile per kind of topic."""
+"""Endpoints of topics with the quality of service of `topic_qos.TOPIC_QOS`."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -7,38 +7,83 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 
-# By default a profile keeps the last samples, reliably, and latches none.
-STATE: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Publishers of state: late subscribers get the newest value."""
+from robots_core import topic_qos as table
+from robots_core.topic_qos import Profile, topic_qos
 
-STREAM: Final = QoSProfile(depth=1)
-"""Subscribers to the newest sample alone, of which the last is never missed: fits publishers of state."""
-
-SENSOR: Final = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Subscribers of a robot's sensors: fits every driver, those that send sensor data unacknowledged too."""
-
-REFERENCE: Final = SENSOR
-"""Subscribers of `joint_reference`: the next one comes before a lost one could be sent again.
-
-So its publisher need not ask them again and again what they have received.
-"""
-
-COMMAND: Final = QoSProfile(depth=100)
-"""Commands and results: all of them, also of a program that blends many motions, and none from before."""
+EVERY_MESSAGE_DEPTH: Final = 100
 
 
-def subscribe_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:
-    """Subscribe to a state topic, latched or not.
+def _rclpy_profile(profile: Profile) -> QoSProfile:
+    return QoSProfile(
+        depth=profile.depth,
+        reliability=ReliabilityPolicy.RELIABLE if profile.reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if profile.latched else DurabilityPolicy.VOLATILE,
+    )
 
-    A latched value only reaches a transient-local subscriber, and such a subscriber does not match a
-    publisher that latches nothing (most PLC bridges). So there are two; the callback may see a message
-    twice and must not mind.
+
+_RCLPY: Final = {profile: _rclpy_profile(profile) for profile in table.PROFILES}
+
+# For topics of others, which the table does not have.
+STATE: Final = _RCLPY[table.STATE]
+STREAM: Final = _RCLPY[table.STREAM]
+SENSOR: Final = _RCLPY[table.SENSOR]
+COMMAND: Final = _RCLPY[table.COMMAND]
+
+
+def published_qos(topic: str) -> QoSProfile:
+    """Of the publishers of a topic of the suite."""
+    return _RCLPY[topic_qos(topic).published]
+
+
+def polled_qos(topic: str) -> QoSProfile:
+    """Of a subscription that a loop empties itself."""
+    return _RCLPY[topic_qos(topic).polled]
+
+
+def every_message(topic: str) -> QoSProfile:
+    """Of a subscription that shows all that happens, also what is latched from before."""
+    latched = topic_qos(topic).published.latched
+    return _rclpy_profile(Profile('', '', depth=EVERY_MESSAGE_DEPTH, latched=latched))
+
+
+def make_publisher(node: Node, message_type: Any, topic: str) -> Any:
+    """A publisher of a topic of the suite."""
+    return node.create_publisher(message_type, topic, published_qos(topic))
+
+
+def subscribe(
+    node: Node, message_type: Any, topic: str, callback: Callable[[Any], None], **options: Any
+) -> Any:
+    """Subscribe to a topic of the suite; where anyone may publish it the callback may get messages twice.
+
+    Args:
+        node: Whose subscription.
+        message_type: The topic's type.
+        topic: Its name, perhaps in another namespace.
+        callback: Gets the messages.
+        options: Of `Node.create_subscription`, for topics with one subscription.
+
+    Returns:
+        The first subscription.
     """
+    qos = topic_qos(topic)
+    first, *others = (_RCLPY[profile] for profile in qos.subscribed)
+    if qos.unacknowledged:
+        subscription = subscribe_any(node, message_type, topic, callback, first)
+    else:
+        subscription = node.create_subscription(message_type, topic, callback, first, **options)
+    for other in others:
+        _subscribe_quietly(node, message_type, topic, callback, other)
+    return subscription
+
+
+def subscribe_any_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:
+    """Subscribe to a state of others, latched or not; the callback may get messages twice."""
     node.create_subscription(message_type, topic, callback, STREAM)
-    subscribe_quietly(node, message_type, topic, callback, STATE)
+    _subscribe_quietly(node, message_type, topic, callback, STATE)
 
 
-def subscribe_quietly(
+def _subscribe_quietly(
     node: Node, message_type: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile
 ) -> None:
     """Subscribe beside another subscription that hears the publishers which this one does not match.
@@ -51,7 +96,7 @@ def subscribe_quietly(
 
 def subscribe_any(
     node: Node, message_type: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile
-) -> None:
+) -> Any:
     """Subscribe reliably and, once somebody publishes the topic without acknowledgement, in that way too.
 
     A reliable subscriber does not match such publishers. From then on the callback may see messages twice.
@@ -63,7 +108,7 @@ def subscribe_any(
         nonlocal found
         if event.last_policy_kind == QoSPolicyKind.RELIABILITY and not found:
             found = True
-            subscribe_quietly(node, message_type, topic, callback, unacknowledged)
+            _subscribe_quietly(node, message_type, topic, callback, unacknowledged)
 
     events = SubscriptionEventCallbacks(incompatible_qos=on_incompatible, use_default_callbacks=False)
-    node.create_subscription(message_type, topic, callback, qos, event_callbacks=events)
+    return node.create_subscription(message_type, topic, callback, qos, event_callbacks=events)

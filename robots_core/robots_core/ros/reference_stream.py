@@ -5,14 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.lockstep.counted import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, doubles
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import make_publisher
 from robots_core.validation import Array
 
 EMPTY_SEQUENCE_SIZE = 4
@@ -30,8 +29,6 @@ class ReferenceStream:
         topic: Topic name.
         names: Joint names, n of them.
         time_from_start: The point's time, s.
-        qos: Of the topic. Commands must not be latched: a late subscriber would obey an old one, and a
-            transient-local subscriber would not match the topic's other publishers.
     """
 
     def __init__(
@@ -41,9 +38,8 @@ class ReferenceStream:
         names: Sequence[str],
         *,
         time_from_start: float,
-        qos: QoSProfile = STATE,
     ) -> None:
-        self._publisher = node.create_publisher(JointTrajectory, topic, qos)
+        self._publisher = make_publisher(node, JointTrajectory, topic)
         if isinstance(self._publisher, CountedPublisher):
             self._publish = self._publisher.publish
         else:

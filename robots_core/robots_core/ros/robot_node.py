@@ -24,7 +24,7 @@ from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
 from robots_core.ros.publisher_names import PublisherNames
-from robots_core.ros.qos import COMMAND
+from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.timed_node import TimedNode
 from robots_core.topic_writers import WRITERS, WriterWatch
 
@@ -66,7 +66,7 @@ class RobotNode(TimedNode):
         self._was_ready = False
         self._bad_streams: dict[str, float] = {}
         self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
-        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
+        self._diagnostics = make_publisher(self, DiagnosticArray, '/diagnostics')
         self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
 
     def parameter(
@@ -84,7 +84,7 @@ class RobotNode(TimedNode):
             name: The parameter's name.
             default: Its default; it also fixes the type.
             description: One line with the unit, shown by `ros2 param describe`.
-            bounds: Lowest and highest valid number.
+            bounds: Lowest and highest valid number; of each in a list.
             read: What a value means; raises a RobotsError for one that is not valid, now and at every change.
                 By default the value itself.
 
@@ -98,6 +98,8 @@ class RobotNode(TimedNode):
                 descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
             else:
                 descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+            if isinstance(default, list):  # rclpy checks single numbers alone
+                read = partial(_within, bounds)
         try:
             value = self.declare_parameter(name, default, descriptor).value
             meaning = value if read is None else read(value)
@@ -231,13 +233,12 @@ class RobotNode(TimedNode):
         msg_type: Any,
         topic: str,
         callback: Callable[[Any], None],
-        qos_profile: Any,
         *,
         rate: float,
         clock: Clock | None = None,
     ) -> None:
         """Look for the newest message of a stream at a rate (Hz); a RobotsError refuses it."""
-        subscription = PolledSubscription(self, msg_type, topic, qos_profile)
+        subscription = PolledSubscription(self, msg_type, topic)
 
         def look() -> None:
             message = subscription.take()
@@ -248,9 +249,9 @@ class RobotNode(TimedNode):
         self.create_timer(1.0 / rate, look, clock=clock)
 
     def create_subscription_with_sender(
-        self, msg_type: Any, topic: str, callback: Callable[[Any, str], None], qos_profile: Any
+        self, msg_type: Any, topic: str, callback: Callable[[Any, str], None]
     ) -> Any:
-        """As `create_subscription`; the callback gets the sender's full node name too.
+        """Subscribe to commands of the suite; the callback gets the sender's full node name too.
 
         The name is '' where the middleware does not identify publishers, and in lock-step.
         """
@@ -260,12 +261,10 @@ class RobotNode(TimedNode):
                 callback(message, sender)
 
         if self.participant is not None or not publishers_are_identified():
-            return super().create_subscription(
-                msg_type, topic, lambda message: take(message, ''), qos_profile
-            )
+            return super().create_subscription(msg_type, topic, lambda message: take(message, ''), COMMAND)
         senders = PublisherNames(partial(publishers_of, self, topic))
         subscription = super().create_subscription(
-            msg_type, topic, lambda message, identity: take(message, senders.name(identity)), qos_profile
+            msg_type, topic, lambda message, identity: take(message, senders.name(identity)), COMMAND
         )
         return identify(subscription)
 
@@ -306,3 +305,11 @@ class RobotNode(TimedNode):
             self._bad_streams[topic] = now
             self.journal.error(f'{topic}: {error}')
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
+
+
+def _within(bounds: tuple[float, float], values: Any) -> Any:
+    low, high = bounds
+    for value in values:
+        if not low <= value <= high:
+            raise InvalidInputError(f'{value:g} must be in [{low:g}, {high:g}]')
+    return values

@@ -34,7 +34,12 @@ class UniversalRobotsData(StructuralData):
 
 
 class UniversalRobots(PackagedRobot):
-    """Base of the UR arms, in the controller's Base frame; REP-103's base_link is turned by pi about z."""
+    """Base of the UR arms.
+
+    Their base is the link `base` of the maker's ROS description, the frame Base of the controller: the arm at
+    zero points along -x. The link `base_link`, which MoveIt and the maker's driver use (REP-103: x forward),
+    is turned by pi about z, as there.
+    """
 
     DATA: ClassVar[UniversalRobotsData]
     # The maker's upright start posture is singular: elbow bent to the front, tool looking down.

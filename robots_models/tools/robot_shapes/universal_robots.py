@@ -29,14 +29,14 @@ def universal_robots_parts(data: UniversalRobotsData, *, bulk: float = 1.0) -> t
     parts = (
         Part(
             'base',
-            'base_link',
+            'base',
             _SILVER,
             (tube((0.0, 0.0, 0.0), (0.0, 0.0, shoulder - 0.085), 0.076, 0.062, chamfer=0.01),),
             collision=True,
         ),
         Part(
             'base_ring',
-            'base_link',
+            'base',
             _DARK,
             (
                 tube(

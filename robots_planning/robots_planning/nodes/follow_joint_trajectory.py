@@ -14,7 +14,6 @@ from robots_core.motion_result import MotionResult
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times
 from robots_core.ros.messages import doubles, joint_indices, joint_values, seconds, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.goal_tolerances import GoalTolerances, Tolerance
@@ -109,7 +108,7 @@ class FollowJointTrajectory(OneGoalServer[TrajectoryGoal]):
         self._moving: dict[
             str, TrajectoryGoal
         ] = {}  # by the id of the motion; a goal that is preempted still brakes
-        self._states = PolledSubscription(node, JointState, 'joint_states', SENSOR)
+        self._states = PolledSubscription(node, JointState, 'joint_states')
         self._actual: tuple[Array, Array] | None = None
         self._timer = node.create_timer(FEEDBACK_PERIOD, self._look, autostart=False)
         super().__init__(node, action, ACTION, TrajectoryGoal)

@@ -17,7 +17,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop import Loop
 from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import STREAM
+from robots_core.ros.qos import subscribe
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
@@ -54,7 +54,7 @@ class JogStream:
             'teach_timeout', 0.1, 'a jog command older than this is stale, s', bounds=(0.02, 1.0)
         )
         self._names = list(node.robot.axes_data.names)
-        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)
+        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self.jogging = Jogging(
             node.robot,
             standing=standing,
@@ -67,8 +67,8 @@ class JogStream:
         self._loop: Loop | None = None
         self._limits: tuple[str, ...] = ()
         self._stream: ReferenceStream | None = None
-        node.create_subscription(TwistStamped, 'teach_twist', self._on_twist, STREAM)
-        node.create_subscription(JointState, 'teach_joints', self._on_joints, STREAM)
+        subscribe(node, TwistStamped, 'teach_twist', self._on_twist)
+        subscribe(node, JointState, 'teach_joints', self._on_joints)
 
     # -- the executor's thread -----------------------------------------------------------------------
 
@@ -92,7 +92,7 @@ class JogStream:
             return
         if self._stream is None:
             self._stream = ReferenceStream(
-                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / JOG_RATE, qos=STREAM
+                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / JOG_RATE
             )
         self._loop = self._node.start_loop(
             self._step, period=1.0 / JOG_RATE, name='jogging', phase=Phase.GUIDANCE

@@ -13,7 +13,6 @@ from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.ros.messages import NANOSECONDS, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
@@ -113,7 +112,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._check, self._pose_of = check, pose_of
         self._goal: SequenceGoal | None = None
         self._commanded: dict[str, SequenceGoal] = {}
-        self._progresses = PolledSubscription(node, Float64, 'motion_progress', STREAM)
+        self._progresses = PolledSubscription(node, Float64, 'motion_progress')
         self._progress = 0.0
         self._timer = node.create_timer(FEEDBACK_PERIOD, self._look, autostart=False)
         super().__init__(node, action, ACTION, SequenceGoal)

@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.base_frames import frame_in_base
 from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
@@ -28,19 +29,18 @@ from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     NANOSECONDS,
-    check_base_frame,
     diagnostic_status,
     id_stamp,
     joint_values,
     motion_result_from_message,
     motion_result_message,
     number_in,
-    pose_from_message,
+    pose_in_base,
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
-from robots_core.ros.qos import COMMAND, STATE, STREAM, subscribe_any
+from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, fraction, one_of
@@ -111,14 +111,14 @@ class PlanningNode(RobotNode):
         self._reference: tuple[Array, Array] | None = None
         self._controllers: set[bytes] = set()  # publishers of references when the last motion was sent
 
-        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
-        self._trajectory_publisher = self.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
-        self._plan_publisher = self.create_publisher(DiagnosticStatus, 'motion_plan', COMMAND)
-        self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        self._finished_publisher = self.create_publisher(Bool, 'finished', STATE)
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference')
+        self._trajectory_publisher = make_publisher(self, JointTrajectory, 'joint_trajectory')
+        self._plan_publisher = make_publisher(self, DiagnosticStatus, 'motion_plan')
+        self._result_publisher = make_publisher(self, DiagnosticStatus, 'motion_result')
+        self._finished_publisher = make_publisher(self, Bool, 'finished')
         self.finished(done=False)
         self._subscribe()
-        self._settings_publisher = self.create_publisher(DiagnosticStatus, 'motion_settings', STATE)
+        self._settings_publisher = make_publisher(self, DiagnosticStatus, 'motion_settings')
         self._publish_settings()
         self._jogging = JogStream(
             self,
@@ -173,18 +173,16 @@ class PlanningNode(RobotNode):
         for kind in MOTION_KINDS:
             command = partial(self._on_command, kind, readers[kind.target])
             message_type = message_class(kind.message_type)
-            self._inbox.subscribed(
-                self.create_subscription_with_sender(message_type, kind.topic, command, COMMAND)
-            )
-        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        subscribe_any(self, PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
-        self.create_subscription_with_sender(Bool, 'trigger', self._on_trigger, COMMAND)
+            self._inbox.subscribed(self.create_subscription_with_sender(message_type, kind.topic, command))
+        subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
+        subscribe(self, PoseStamped, 'reference_pose', self._on_reference_pose)
+        self.create_subscription_with_sender(Bool, 'trigger', self._on_trigger)
 
     def _use_new_command(self, value: str) -> None:
         replace = value == 'replace'
         self.planner.replace_motions(replace=replace)
         if replace and self._progress is None:  # only then it matters; it comes often
-            self._progress = self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+            self._progress = subscribe(self, Float64, 'motion_progress', self._on_progress)
 
     @property
     def moving(self) -> bool:
@@ -226,11 +224,10 @@ class PlanningNode(RobotNode):
         return joint_values(message.name, message.position, self._names, JOINT.topic)
 
     def _pose(self, message: PoseStamped) -> Pose:
-        check_base_frame(message.header.frame_id)
-        return pose_from_message(message.pose)
+        return pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
 
     def _poses(self, message: Path) -> Target:
-        check_base_frame(message.header.frame_id)
+        frame_in_base(message.header.frame_id, self.robot.base_link)  # which it must be in as a whole too
         return tuple(self._pose(pose) for pose in message.poses)
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
@@ -322,7 +319,6 @@ class PlanningNode(RobotNode):
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
     ) -> None:
         """See `MotionPlannerPort`."""
-        self._controllers = self._reference_publishers()
         values: dict[str, Any] = {'id': id_, **ends}
         self._plan_publisher.publish(
             diagnostic_status('motion plan', '', hardware_id=self.robot_name, **values)
@@ -330,6 +326,7 @@ class PlanningNode(RobotNode):
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )
+        self._controllers = self._reference_publishers()  # takes longer than a message
         limit = motion.report.limiting
         self.journal.info(
             f'{title} planned: {motion.duration:.3f} s, '

@@ -8,8 +8,9 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_core.base_frames import BASE_FRAME
 from robots_core.ros.joint_trajectories import complete_points
-from robots_core.ros.messages import BASE_FRAME, NANOSECONDS, doubles, nanoseconds, seconds
+from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds, seconds
 from robots_planning.trajectory import Trajectory
 
 

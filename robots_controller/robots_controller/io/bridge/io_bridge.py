@@ -71,6 +71,9 @@ class IoBridge:
         for name, port in self._ports.items():
             for arrival in port.arrivals():
                 touched += self._receive(arrival, now)
+            lost = port.lost()
+            flood = f'{name}: {lost} values came faster than they could be taken; lost' if lost else ''
+            self.problems.set(f'flood {name}', flood, now, lost=lost)
             self.problems.replace(f'port {name} ', port.problems(), now)
         if now >= self._due:
             self._due = math.inf
@@ -105,7 +108,7 @@ class IoBridge:
                     problem = error.message
             if problem:
                 problem = f'{arrival.place.port}: {problem}; {name} keeps its value'
-            self.problems.set(f'value {name}', problem, now, counts=True)
+            self.problems.set(f'value {name}', problem, now, lost=bool(problem))
         return values
 
     def _look_for_silence(self, value: InputValue, now: float) -> None:

@@ -38,6 +38,9 @@ class IoPort(Protocol):
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call, in order."""
 
+    def lost(self) -> int:
+        """Values since the last call that came faster than they could be taken."""
+
     def send(self, values: Mapping[Place, Number]) -> None:
         """Write values, in this order and after those of earlier calls.
 

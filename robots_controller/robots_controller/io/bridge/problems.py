@@ -18,32 +18,32 @@ class Problems:
         self._now: dict[str, str] = {}
         self._logged: dict[str, tuple[float, int]] = {}  # when (s), and how often since
         self.count = 0
-        """How often `set` was called with a problem that counts."""
+        """Values that were lost."""
 
     def __str__(self) -> str:
         return '; '.join(self._now.values())
 
-    def set(self, key: str, problem: str, now: float, *, counts: bool = False) -> None:
+    def set(self, key: str, problem: str, now: float, *, lost: int = 0) -> None:
         """Set or, with '', clear a problem.
 
         Args:
             key: The same for the same problem.
             problem: What is wrong.
             now: s.
-            counts: Each call with a problem is a value that was lost.
+            lost: Values that were lost by it.
         """
         if not problem:
             self._now.pop(key, None)
             return
-        self.count += counts
+        self.count += lost
         fresh = key not in self._now
         self._now[key] = problem
         last, times = self._logged.get(key, (-LOG_AGAIN, 0))
         if fresh and now - last >= LOG_AGAIN:
             self._log(f'{problem} ({times} times more before)' if times else problem)
             self._logged[key] = now, 0
-        elif counts or fresh:
-            self._logged[key] = last, times + 1
+        elif lost or fresh:
+            self._logged[key] = last, times + (lost or 1)
 
     def replace(self, prefix: str, problems: Mapping[str, str], now: float) -> None:
         """Set all problems of one origin; those that it has no more are cleared.

@@ -97,13 +97,15 @@ class ModbusLink:
             self._client.close()
 
     def read(self, now: float) -> float:
-        """Read the blocks that are due."""
-        for block in [one for one in self._blocks if one.due <= now]:
-            block.due = max(block.due, now - block.period) + block.period
-            self._read_block(block)
+        """Read the block that is due first: what is to be written waits for one slow answer, not for all."""
         if not self._blocks:
             self._check_open()
-        return min((block.due for block in self._blocks), default=now + self._server.period)
+            return now + self._server.period
+        block = min(self._blocks, key=lambda one: one.due)
+        if block.due <= now:
+            block.due = max(block.due, now - block.period) + block.period
+            self._read_block(block)
+        return min(one.due for one in self._blocks)
 
     def write(self, values: Mapping[Any, Number]) -> Mapping[Place, str]:
         """Write values; neighbours in one request."""

@@ -18,6 +18,8 @@ LONGEST_PAUSE: Final = 5.0  # s
 RETRY_PERIOD: Final = 1.0  # s, of what the partner refuses
 MOST_ARRIVALS: Final = 20_000
 """Values that wait for the loop; beyond it the oldest are lost."""
+MOST_TAKEN: Final = 1000
+"""Values that the loop takes before its other work has its turn."""
 FINISH_TIMEOUT: Final = 1.0  # s, for the thread to end
 
 
@@ -65,13 +67,20 @@ class PlantConnection:
         return self._link.kind(place)
 
     def arrivals(self) -> Sequence[Arrival]:
-        """What came since the last call."""
+        """What came since the last call, as much as the loop may take at once."""
         with self._changed:
-            arrivals, self._arrivals = self._arrivals, deque()
-            lost, self._lost_arrivals = self._lost_arrivals, 0
-            if lost:
-                self._news.append(f'{self._name}: {lost} values came faster than they could be taken; lost')
+            count = min(len(self._arrivals), MOST_TAKEN)
+            arrivals = [self._arrivals.popleft() for _ in range(count)]
+            more = bool(self._arrivals)
+        if more:
+            self._notify()
         return arrivals
+
+    def lost(self) -> int:
+        """Values since the last call that came faster than they could be taken."""
+        with self._changed:
+            lost, self._lost_arrivals = self._lost_arrivals, 0
+        return lost
 
     def send(self, values: Mapping[Place, Number]) -> None:
         """Write values after those of earlier calls."""
@@ -152,10 +161,13 @@ class PlantConnection:
             before = len(self._waiting.refused)
             self._waiting.confirm(values, refused)
             self._busy = False
+            overtaken = '' if self._waiting else self._overtaken()
+            if overtaken:
+                self._news.append(f'{self._name}: {overtaken}')
             self._changed.notify_all()
             if refused or before:
                 self._state_problems()
-        if refused or before:
+        if refused or before or overtaken:
             self._notify()
 
     def _hear(self, arrivals: Iterable[Arrival]) -> None:
@@ -172,11 +184,14 @@ class PlantConnection:
         with self._changed:
             self._down = ''
             self._waiting.start_again()
-            overtaken, self._waiting.overtaken = self._waiting.overtaken, 0
-            more = f'; {overtaken} values of outputs were overtaken by newer ones' if overtaken else ''
-            self._news.append(f'{self._name}: connected{more}')
+            overtaken = self._overtaken()
+            self._news.append(f'{self._name}: connected{"; " if overtaken else ""}{overtaken}')
             self._state_problems()
         self._notify()
+
+    def _overtaken(self) -> str:
+        count, self._waiting.overtaken = self._waiting.overtaken, 0
+        return f'{count} values of outputs were overtaken by newer ones' if count else ''
 
     def _set_down(self, reason: str) -> None:
         with self._changed:

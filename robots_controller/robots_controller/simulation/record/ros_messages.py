@@ -10,12 +10,12 @@ import numpy as np
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+from robots_core.base_frames import BASE_FRAME
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
 NANOSECONDS: Final = 1_000_000_000
-BASE_FRAME: Final = 'base'
 TOOL_FRAME: Final = 'tool0'
 OK, WARN, ERROR = 0, 1, 2  # levels of diagnostic_msgs/DiagnosticStatus
 STRING_ARRAY: Final = 9  # type of rcl_interfaces/ParameterValue

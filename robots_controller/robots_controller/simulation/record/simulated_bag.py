@@ -10,18 +10,16 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from scipy.spatial.transform import Rotation
 
-from robots_controller.cell.guide_recording import GUIDES
-from robots_controller.recording.bag_qos import bag_qos
+from robots_controller.recording.bag_qos import bag_qos_of
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.simulated_clock import START
+from robots_core.base_frames import BASE_FRAME
 from robots_core.errors import BagError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_core.vehicle_inputs import INPUTS
-from robots_planning.motion_kinds import KIND_OF_TOPIC
 
 TCP_RATE: Final = 50.0  # Hz
 # Samples wait for each other to be written at once, but not for longer than that a kill may cost.
@@ -29,14 +27,6 @@ MOST_WAITING: Final = 250
 # The end of a bag costs as much as seconds of a simulation; what a kill costs can be simulated again.
 CHUNKS: Final = 64
 MOST_AT_ONCE: Final = 4096  # of a robot that stood for long; bounds the memory
-NOT_LATCHED: Final = frozenset(
-    (
-        *KIND_OF_TOPIC,
-        *(topic for topics in GUIDES.values() for topic in topics),
-        *INPUTS,
-        *('/parameter_events', 'joint_trajectory', 'motion_plan', 'motion_result'),
-    )
-)
 
 
 class SimulatedBag:
@@ -163,12 +153,11 @@ class SimulatedBag:
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:
-            latched = topic not in NOT_LATCHED
             self._connections[topic] = self._writer.add_connection(
                 topic if topic.startswith('/') else f'/{topic}',
                 type_name,
                 typestore=ros.typestore(),
-                offered_qos_profiles=[bag_qos(latched=latched, depth=1 if latched else 10)],
+                offered_qos_profiles=[bag_qos_of(topic)],
             )
         return self._connections[topic]
 
@@ -185,7 +174,7 @@ class SimulatedBag:
         point = ros.message('geometry_msgs/msg/Point', *pose[:3])
         quaternion = ros.message('geometry_msgs/msg/Quaternion', *pose[3:])
         body = ros.message('geometry_msgs/msg/Pose', point, quaternion)
-        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, ros.BASE_FRAME), body)
+        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, BASE_FRAME), body)
         templates: dict[str, tuple[str, Any, list[Array]]] = {
             'joint_reference': ('trajectory_msgs/msg/JointTrajectory', reference, rows),
             'joint_states': ('sensor_msgs/msg/JointState', ros.joint_state(0, self._names, *states), states),
