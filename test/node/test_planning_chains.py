@@ -9,14 +9,16 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
 
 from robots_core import Pose
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
+from robots_core.ros.serialized_trajectory import SerializedTrajectory
 from robots_planning import verify
 from robots_planning.commands.command_queue import WINDOW
-from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
 
 from .planning_bench import ROBOT, PlanningBench
 
@@ -134,8 +136,11 @@ def test_a_longer_chain_than_is_planned_at_once_goes_on_from_the_middle_of_the_p
     assert [stamp_id(message.header.stamp) for message in (first, second)] == [ids[middle - 1], ids[-1]]
     bench.wait(lambda: len(plans) == 2, 'both plans')
     names = list(bench.robot.axes_data.names)
-    before, after = (trajectory_from_message(message, names) for message in (first, second))
-    corner = before.duration + join_time(second)
+    (before, _), (after, join_time) = (
+        trajectory_from_message(SerializedTrajectory(serialize_message(message)), names)
+        for message in (first, second)
+    )
+    corner = before.duration + join_time
     assert [*plans[1]] == ['id', *ids[middle:]]
     assert float(plans[0][ids[middle - 1]]) == pytest.approx(corner, abs=1e-9)
     for one, other in zip(before.sample(corner), after.sample(0.0), strict=True):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
@@ -63,7 +64,11 @@ class ZoneBench(Bench):
     def move(self, goal: np.ndarray) -> None:
         trajectory = LinearJoint(ROBOT).generate(ROBOT.home, goal)
         stamp = self.peer.get_clock().now().to_msg()
-        self.publish('joint_trajectory', trajectory_message(trajectory, ROBOT.axes_data.names, stamp))
+        self.send(trajectory, stamp)
+
+    def send(self, trajectory: Trajectory, stamp: Time) -> None:
+        message = trajectory_message(trajectory, ROBOT.axes_data.names, stamp)
+        self.publisher('joint_trajectory', JointTrajectory).publish(message)
 
     def held(self, obstacle: str) -> None:
         self.wait(
@@ -127,6 +132,6 @@ def test_a_trajectory_of_more_than_an_hour_is_refused(ros_nodes: Any, scene: Pat
     still = np.zeros((2, ROBOT.num_axes))
     slow = Trajectory(np.array([0.0, 4000.0]), np.array([ROBOT.home, ROBOT.home + 0.1]), still, still)
     stamp = bench.peer.get_clock().now().to_msg()
-    bench.publish('joint_trajectory', trajectory_message(slow, ROBOT.axes_data.names, stamp))
+    bench.send(slow, stamp)
     bench.wait(lambda: bench.results, 'a refusal')
     assert 'the motion takes 4000 s; allowed are 3600 s' in bench.results[-1].message

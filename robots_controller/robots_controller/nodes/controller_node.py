@@ -40,7 +40,6 @@ from robots_core.ros.messages import (
     diagnostic_status,
     diagnostic_values,
     motion_result_message,
-    stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
@@ -48,9 +47,10 @@ from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
+from robots_core.ros.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
-from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.verification import verify
 
 HEALTH_RATE = 10.0  # Hz
@@ -133,7 +133,8 @@ class ControllerNode(RobotNode):
             JointTrajectory,
             'joint_trajectory',
             self._on_trajectory,
-            from_anyone=lambda message: not message.points,  # it stops
+            raw=True,
+            from_anyone=lambda raw: not SerializedTrajectory(raw).num_points,  # it stops
         )
         self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
@@ -280,16 +281,17 @@ class ControllerNode(RobotNode):
 
     # -- the executor's thread -----------------------------------------------------------------------
 
-    def _on_trajectory(self, message: JointTrajectory) -> None:
-        if not message.points:  # as in ros2_control: an empty trajectory stops
+    def _on_trajectory(self, raw: bytes) -> None:
+        message = SerializedTrajectory(raw)
+        if not message.num_points:  # as in ros2_control: an empty trajectory stops
             self._control.stop('stopped by an empty joint_trajectory')
             return
-        id_ = stamp_id(message.header.stamp)
-        if len(message.points) == 1:
-            self._on_streamed_point(message, id_)
+        id_ = message.id
+        if message.num_points == 1:
+            self._on_streamed_point(message.message, id_)
             return
         try:
-            trajectory, join = trajectory_from_message(message, self._names), join_time(message)
+            trajectory, join = trajectory_from_message(message, self._names)
             moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join != 0.0 else None
             report = verify(trajectory, self.robot, torque=False, start_motion=moving)
             if not report.ok:

@@ -5,7 +5,6 @@ import threading
 from functools import partial
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
@@ -16,6 +15,7 @@ from robots_core.ros.lockstep.timed_work import LockstepTurn
 from robots_core.ros.messages import diagnostic_values, number_in, serialized_stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import subscribe
+from robots_core.ros.serialized_trajectory import SerializedTrajectory
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import fraction
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
@@ -81,7 +81,7 @@ class PathSwitchingMessages:
 
     def _trajectory(self, data: bytes) -> Trajectory | None:
         try:
-            return trajectory_from_message(deserialize_message(data, JointTrajectory), self._joint_names)
+            return trajectory_from_message(SerializedTrajectory(data), self._joint_names)[0]
         except RobotsError:  # the controller refuses it and says why
             return None
 

@@ -19,17 +19,17 @@ from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
 from robots_core.nodes.watched_scene import WatchedScene
-from robots_core.ros.joint_trajectories import complete_points
 from robots_core.ros.messages import (
+    NANOSECONDS,
     diagnostic_status,
     joint_motion,
     motion_result_from_message,
-    stamp_id,
 )
 from robots_core.ros.presence import is_served
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
+from robots_core.ros.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz
@@ -65,7 +65,7 @@ class CollisionNode(RobotNode):
         self._distance = make_publisher(self, Float64, 'min_distance')
         self._stop_client = self.create_client(Trigger, f'{controller}/stop_before_collision')
         self._scene = WatchedScene(self, self._on_scene)
-        subscribe(self, JointTrajectory, 'joint_trajectory', self._on_trajectory)
+        subscribe(self, JointTrajectory, 'joint_trajectory', self._on_trajectory, raw=True)
         subscribe(self, Float64, 'motion_progress', self._on_progress)
         subscribe(self, DiagnosticStatus, 'motion_result', self._on_result)
         self.poll(JointState, 'joint_states', self._look, rate=rate)
@@ -77,11 +77,12 @@ class CollisionNode(RobotNode):
         if not self.guard.stopping:
             self._clear()
 
-    def _on_trajectory(self, message: JointTrajectory) -> None:
-        if len(message.points) < 2:  # an empty one stops, and one point is a streamed reference
+    def _on_trajectory(self, raw: bytes) -> None:
+        message = SerializedTrajectory(raw)
+        if message.num_points < 2:  # an empty one stops, and one point is a streamed reference
             return
-        time, rows = complete_points(message, self._names, 'joint_trajectory')
-        self.guard.planned(stamp_id(message.header.stamp), JointPath(time, *rows))
+        times, rows = message.points(self._names, 'joint_trajectory')
+        self.guard.planned(message.id, JointPath(times / NANOSECONDS, *rows))
 
     def _on_progress(self, message: Float64) -> None:
         self.guard.progress(fraction(message.data, 'motion_progress'))

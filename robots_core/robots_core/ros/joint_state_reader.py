@@ -7,11 +7,8 @@ import numpy as np
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, joint_indices, joint_values
+from robots_core.ros.messages import ENCAPSULATION_SIZE, STAMP_END, joint_indices, joint_values
 from robots_core.validation import Array, finite_vector
-
-# CDR aligns numbers to their size, from the end of the encapsulation on.
-STAMP_END = ENCAPSULATION_SIZE + SERIALIZED_STAMP.size
 
 
 class JointStateReader:

@@ -35,27 +35,23 @@ def single_point(message: JointTrajectory, names: Sequence[str], what: str) -> A
     return rows
 
 
-def complete_points(message: JointTrajectory, names: Sequence[str], what: str) -> tuple[Array, Array]:
-    """Times (m,) in s, and positions, velocities and accelerations (3, m, n) of a trajectory.
-
-    Args:
-        message: With m points.
-        names: The wanted joints, n of them.
-        what: Topic, for errors.
-
-    Raises:
-        InvalidInputError: missing joints, or a point without one of the three.
-    """
-    return point_times(message), np.array([field_rows(message, names, what, field) for field in FIELDS])
-
-
 def point_times(message: JointTrajectory) -> Array:
     """Times of the points, (m,), s."""
     return np.array([seconds(point.time_from_start) for point in message.points])
 
 
 def field_rows(message: JointTrajectory, names: Sequence[str], what: str, field: str) -> Array:
-    """One of `FIELDS` of all points, (m, n), see `complete_points`."""
+    """One of `FIELDS` of all points, (m, n).
+
+    Args:
+        message: With m points.
+        names: The wanted joints, n of them.
+        what: Topic, for errors.
+        field: Which.
+
+    Raises:
+        InvalidInputError: missing joints, or a point without it.
+    """
     indices, count = joint_indices(message.joint_names, names, what), len(message.joint_names)
     rows = [
         _checked(getattr(point, field), count, f'{what} point {k} has', field)

@@ -31,6 +31,8 @@ FARTHEST: Final = 1000.0  # m
 JOINT_FIELDS: Final = {'positions': 'position', 'velocities': 'velocity', 'efforts': 'effort'}
 RESULT_NUMBERS: Final = ('ended', 'progress')
 SERIALIZED_STAMP: Final = struct.Struct('<iI')
+STAMP_END: Final = ENCAPSULATION_SIZE + SERIALIZED_STAMP.size
+LITTLE_ENDIAN: Final = b'\0\1\0\0'  # the encapsulation of this byte order
 
 
 def doubles(values: Array) -> array.array[float]:

@@ -1,18 +1,21 @@
 """ReferenceReader: streamed references out of serialized JointTrajectory messages, at little cost."""
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 from rclpy.serialization import deserialize_message
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import ENCAPSULATION_SIZE, NANOSECONDS, SERIALIZED_STAMP, seconds
+from robots_core.ros.messages import (
+    ENCAPSULATION_SIZE,
+    LITTLE_ENDIAN,
+    NANOSECONDS,
+    SERIALIZED_STAMP,
+    STAMP_END,
+    seconds,
+)
 from robots_core.validation import Array
-
-STAMP_END: Final = ENCAPSULATION_SIZE + SERIALIZED_STAMP.size
-LITTLE_ENDIAN: Final = b'\0\1\0\0'  # the encapsulation in CDR
 
 
 class ReferenceReader:

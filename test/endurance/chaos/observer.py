@@ -14,7 +14,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from cell_operator import CellOperator
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.ros.joint_trajectories import complete_points, single_point
+from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times, single_point
 from robots_core.ros.messages import seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STATE
@@ -93,8 +93,9 @@ class Observer(CellOperator):
         found = [np.empty((0, self._robot.num_axes))]
         for message in self._read('joint_trajectory'):
             if len(message.points) > 1:
-                time_, rows = complete_points(message, self._robot.axes_data.names, 'joint_trajectory')
-                trajectory = Trajectory(time_, *rows)
+                names = self._robot.axes_data.names
+                rows = [field_rows(message, names, 'joint_trajectory', field) for field in FIELDS]
+                trajectory = Trajectory(point_times(message), *rows)
                 count = int(trajectory.duration / PATH_STEP) + 2
                 found.append(trajectory.sample(np.linspace(0.0, trajectory.duration, count))[0])
         return np.concatenate(found)
