@@ -39,10 +39,13 @@ ARGUMENTS = {
 LAUNCH_ARGUMENTS = {
     'namespace': ('', 'namespace of all nodes'),
     'composed': ('false', 'true: all nodes but controller_node and drive_node share a process'),
+    'headless': ('false', 'true: no 3D view of the robot'),
     'record': ('', 'folder of a bag of all topics, which must not exist yet'),
     'rviz': ('false', 'true: show the robot in RViz'),
 }
 """Further arguments."""
+SWITCHES = ('composed', 'headless')
+"""Those that are options of `cell` without a value."""
 
 
 def refuse_unknown(arguments: list[str]) -> None:
@@ -74,8 +77,9 @@ def nodes(context: LaunchContext) -> list[Any]:
     for name in ARGUMENTS:
         if value := LaunchConfiguration(name).perform(context):
             command += ['--' + name.replace('_', '-'), value]
-    if LaunchConfiguration('composed').perform(context) == 'true':
-        command.append('--composed')
+    for name in SWITCHES:
+        if LaunchConfiguration(name).perform(context) == 'true':
+            command.append('--' + name)
     described = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if described.returncode:
         raise RuntimeError(described.stderr.strip())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -16,6 +17,7 @@ from robots_core.files import read_text
 from robots_core.nearest_name import nearest_name
 
 MAX_NODES: Final = 1_000_000
+MAX_KEPT: Final = 10_000  # characters
 # By what the parser says of a text that is not YAML.
 REMEDIES: Final = {
     "'\\t'": 'indent by spaces, not by tabs',
@@ -297,9 +299,15 @@ def parse_yaml(text: str, file: str) -> YamlSection:
 def compose_yaml(text: str, file: str) -> yaml.Node | None:
     """The nodes of a YAML text, each with its line; None if it is empty.
 
+    Those of the last texts are kept: nodes that share a process read the files of the same robot.
+
     Raises:
         InvalidInputError: not YAML, nested too deeply, or aliases that stand for more than a file holds.
     """
+    return (_kept_composed if len(text) <= MAX_KEPT else _composed)(text, file)
+
+
+def _composed(text: str, file: str) -> yaml.Node | None:
     try:
         node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
         if node is not None and _expanded_size(node, {}) > MAX_NODES:
@@ -307,6 +315,9 @@ def compose_yaml(text: str, file: str) -> yaml.Node | None:
     except (yaml.YAMLError, RecursionError) as error:
         raise _not_yaml(file, error) from None
     return node
+
+
+_kept_composed = lru_cache(maxsize=32)(_composed)
 
 
 def _expanded_size(node: yaml.Node, known: dict[int, float]) -> float:

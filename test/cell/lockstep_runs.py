@@ -60,13 +60,13 @@ class LockstepRuns:
         """The run of a program, by its file in programs/, with drives of a level.
 
         With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each; all others share
-        a process. References have the rate of `RATES`, or `SPARSE_RATE`.
+        a process, without a view. References have the rate of `RATES`, or `SPARSE_RATE`.
         """
         separate = drive == FULL and program in SEPARATE
         rate = RATES.get((program, drive), SPARSE_RATE)
         options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
         if not separate:
-            options.append('--composed')
+            options += ['--composed', '--headless']
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
@@ -81,7 +81,7 @@ class LockstepRuns:
 
     def run_file(self, program: Path, *options: str, rate: float = DENSE_RATE) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""
-        options = ('--lockstep', '--composed', '--rate', str(rate), *options)
+        options = ('--lockstep', '--composed', '--headless', '--rate', str(rate), *options)
         path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)
         return LockstepRun(Path(path), code, text, Path(bag), rate)
 

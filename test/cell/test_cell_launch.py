@@ -127,6 +127,13 @@ def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> Non
     assert parameters['visualizer_node']['port'] == 9000
 
 
+def test_a_cell_may_have_no_view(launch_file: dict[str, Any]) -> None:
+    nodes = launched(launch_file, robot='cello_bot', headless='true')
+    assert {node.executable for node in nodes} == {
+        node.name for node in cell_graph(robot='cello_bot') if node.name != 'visualizer_node'
+    }
+
+
 def test_a_bag_and_rviz_are_started_beside_the_nodes(launch_file: dict[str, Any]) -> None:
     *_, bag, rviz = launched(launch_file, robot='cello_bot', record='out/bag', rviz='true')
     assert bag.cmd == ['ros2', 'bag', 'record', '--all', '--output', 'out/bag']

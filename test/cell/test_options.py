@@ -50,6 +50,8 @@ def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pyte
     assert parse_options(['--view']).pendant
     assert not parse_options([]).pendant
     assert cell_command.without_page(parse_options(['--view'])) == ''
+    with pytest.raises(RobotsError, match='--view and --headless exclude each other'):
+        parse_options(['--view', '--headless'])
     lockstep = parse_options(['--view', '--lockstep'])
     assert not lockstep.pendant
     assert 'in lock-step nobody operates' in cell_command.without_page(lockstep)

@@ -103,6 +103,9 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         help='run all nodes but controller_node and drive_node in one process, in lock-step all nodes; '
         'this needs less memory, and a node that dies ends the other nodes of the process',
     )
+    parser.add_argument(
+        '--headless', action='store_true', help='start no 3D view of the robot, which takes processor time'
+    )
     parser.add_argument('--describe', action='store_true', help='print the nodes as JSON and start none')
 
 

@@ -48,6 +48,7 @@ GRAPH_OPTIONS = (
     'record',
     'lockstep',
     'composed',
+    'headless',
 )
 
 
@@ -84,6 +85,8 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.guided = options.guided or (METHODS[0] if others else '')
     # Nobody operates a cell whose time does not wait.
     options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
+    if options.view and options.headless:
+        raise OptionError('--view and --headless exclude each other')
     if (options.host or options.password_file) and not options.view:
         raise OptionError("--host and --password-file need --view, which serves the operator's page")
     if options.opcua and options.lockstep:

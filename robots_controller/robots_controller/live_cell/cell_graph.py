@@ -119,6 +119,7 @@ def cell_graph(
     opcua_access: str = '',
     lockstep: bool = False,
     composed: bool = False,
+    headless: bool = False,
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
 
@@ -160,6 +161,7 @@ def cell_graph(
         opcua_access: Who may do what there (see `read_server_settings`); by default anyone may read.
         lockstep: All nodes take part in a lock-step run.
         composed: The nodes that do not keep time share a process; in lock-step none keeps time.
+        headless: Without the 3D view.
 
     Raises:
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
@@ -238,7 +240,7 @@ def cell_graph(
         ),
         node('robots_core', 'direct_kinematics_node'),
         node('robots_core', 'robot_state_node'),
-        node('robots_core', 'visualizer_node', port=port, scene=scene),
+        *([] if headless else [node('robots_core', 'visualizer_node', port=port, scene=scene)]),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
         *([node('robots_controller', 'guide_player_node', **played)] if references else []),
         *([node('robots_core', 'motion_cueing_node', cabin=cabin)] if cabin else []),

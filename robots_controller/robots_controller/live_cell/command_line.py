@@ -13,7 +13,8 @@ if TYPE_CHECKING:  # loads beside the server
 
 def start_cell(options: argparse.Namespace, console: Console) -> int:
     """Run a cell as the command line says; see `cell_command.start`."""
-    fork_server.start()
+    if not options.describe:
+        fork_server.start()
     from robots_controller.live_cell.cell_command import start  # noqa: PLC0415  # loads beside the server
 
     return start(options, console)

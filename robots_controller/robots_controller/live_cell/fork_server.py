@@ -17,5 +17,7 @@ def start() -> None:
     """Start the server, unless it runs; it loads while this process continues."""
     # A fork keeps no threads, and those of a linear algebra library do not help matrices of this size.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-    CONTEXT.set_forkserver_preload(['robots_controller.live_cell.loaded_nodes'])
+    CONTEXT.set_forkserver_preload(
+        [f'robots_controller.live_cell.{name}' for name in ('parent_end', 'loaded_nodes')]
+    )
     forkserver.ensure_running()

@@ -8,6 +8,7 @@ from importlib import import_module
 from rosidl_generator_py import import_type_support
 
 from robots_controller.live_cell.node_types import node_scripts
+from robots_controller.live_cell.parent_end import on_parent_end
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_planning.pathplanning import PathPlanning
@@ -26,6 +27,7 @@ def _load() -> None:
     # The collector would otherwise write to, and thereby copy, what the forked processes share.
     gc.collect()
     gc.freeze()
+    on_parent_end(0)  # from now on the server notices it
 
 
 def _load_messages() -> None:
