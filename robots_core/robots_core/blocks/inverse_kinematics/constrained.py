@@ -181,14 +181,20 @@ def braking_deceleration(robot: BaseRobotModel) -> Array:
     low, high = axes.one_turn
     rng = np.random.default_rng(0)
     n, still = axes.num_axes, np.zeros(axes.num_axes)
-    part = 1.0
+    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    M, tau_aux = np.empty((TORQUE_SAMPLES, n, n)), np.empty((TORQUE_SAMPLES, n))
+    turning = np.empty((TORQUE_SAMPLES, 1, n))
     for sample in range(TORQUE_SAMPLES):
         q = rng.uniform(low, high)
         q_dot = axes.velocity * (rng.choice([-1.0, 1.0], n) if sample % 2 else rng.uniform(-1.0, 1.0, n))
-        _, M, tau_aux = robot.rigid_dynamics(q, q_dot, still)
-        torques = -M * (np.sign(q_dot) * axes.acceleration)
-        up, down = np.maximum(torques, 0.0).sum(axis=1), np.maximum(-torques, 0.0).sum(axis=1)
-        room = (1.0 - TORQUE_RESERVE) * axes.effort
-        part = min(part, float(((room - tau_aux) / np.maximum(up, 1e-12)).min()))
-        part = min(part, float(((room + tau_aux) / np.maximum(down, 1e-12)).min()))
+        turning[sample, 0] = np.sign(q_dot)
+        if dynamics is None:
+            _, M[sample], tau_aux[sample] = robot.rigid_dynamics(q, q_dot, still)
+        else:  # the same, compiled
+            M[sample], tau_aux[sample] = dynamics.mass_matrix_and_bias(q, q_dot)
+    torques = -M * (turning * axes.acceleration)
+    up, down = np.maximum(torques, 0.0).sum(axis=2), np.maximum(-torques, 0.0).sum(axis=2)
+    room = (1.0 - TORQUE_RESERVE) * axes.effort
+    rising, falling = (room - tau_aux) / np.maximum(up, 1e-12), (room + tau_aux) / np.maximum(down, 1e-12)
+    part = min(1.0, float(rising.min()), float(falling.min()))
     return np.asarray(max(part, SMALLEST_BRAKING) * axes.acceleration)
