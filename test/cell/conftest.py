@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from .cell_process import CellProcess
+from .cell_process import CellProcess, CellThread
 from .lockstep_runs import LockstepRuns
 
 
@@ -23,8 +23,23 @@ def lockstep_runs(session_ros_domain: int, tmp_path_factory: pytest.TempPathFact
 
 
 @pytest.fixture
-def start_cell(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., CellProcess]]:
-    """Starts `cell` with the given options; ends it after the test."""
+def start_cell(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., CellThread]]:
+    """Starts a cell without a 3D view, with the given options, one at a time; ends it after the test."""
+    del ros_domain
+    cells: list[CellThread] = []
+
+    def start(*options: str) -> CellThread:
+        cells.append(CellThread(*options, '--headless', out=tmp_path / 'out'))
+        return cells[-1]
+
+    yield start
+    for cell in cells:
+        cell.close()
+
+
+@pytest.fixture
+def start_process(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., CellProcess]]:
+    """The same for the command `cell`, with the view that it has by default."""
     del ros_domain
     cells: list[CellProcess] = []
 
