@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import os
+import select
 import signal
 import subprocess
 import sys
@@ -234,3 +236,22 @@ def test_what_is_no_node_minds_its_interrupts_itself(tmp_path: Path) -> None:
         'assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n'
     )
     subprocess.run([sys.executable, str(script)], check=True)
+
+
+def test_the_fork_server_ends_with_its_cell_while_it_still_loads() -> None:
+    server = (
+        'import os, threading',
+        'import robots_controller.live_cell.parent_end',
+        'print(os.getpid(), flush=True)',
+        'threading.Event().wait()  # much is imported',
+    )
+    cell = f'import subprocess, sys; subprocess.run([sys.executable, "-c", {chr(10).join(server)!r}])'
+    process = subprocess.Popen([sys.executable, '-c', cell], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        loading = os.pidfd_open(int(process.stdout.readline()))
+    finally:
+        process.kill()
+    assert select.select([loading], [], [], DEADLINE)[0]
+    os.close(loading)
+    process.wait()
