@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from robots_core.blocks.collision.pair_kernels import Indices
-from robots_core.blocks.collision.robot_solids import robot_solids
+from robots_core.blocks.collision.robot_solids import is_large, robot_solids
 from robots_core.blocks.collision.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid
 from robots_core.content_cache import Arrays, cache_folder, content_of, kept
@@ -23,7 +23,6 @@ FEW_AXES = 3
 NEVER_GAP = 1e-3  # m
 # What is never farther apart counts as always in contact: planners that keep 5 mm would refuse all motions.
 ALWAYS_GAP = 6e-3  # m
-KEPT_FROM = 500  # corners of all meshes; fewer take less than a second
 
 
 def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
@@ -33,7 +32,7 @@ def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
         return stored
     solids = robot_solids(robot)
     meshes = [solid.geometry for solid in solids if isinstance(solid.geometry, Mesh)]
-    if sum(len(mesh.vertices) for mesh in meshes) < KEPT_FROM:
+    if not is_large(meshes):
         return find_allowed_pairs(robot)
 
     def found() -> Arrays:
@@ -162,11 +161,8 @@ def _unproven(solids: SolidSet, robot: BaseRobotModel, pairs: Indices, axes: sli
         if mine.size == 0:
             continue
         # The axis with the largest approach is bisected.
-        approaches = [
-            solids.travels(mine, np.where(np.arange(half.size) == k, half, 0.0)).max()
-            for k in range(half.size)
-        ]
-        cut = int(np.argmax(approaches))
+        approaches = [solids.travels(mine, row).max() for row in np.diag(half)[axes]]
+        cut = axes.start + int(np.argmax(approaches))
         half = half.copy()
         half[cut] *= 0.5
         for sign in (-1.0, 1.0):

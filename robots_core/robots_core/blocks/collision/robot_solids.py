@@ -1,28 +1,65 @@
 """Solids that a robot moves: its own shapes, what is attached to its flange, and its tool centre point."""
 
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.collision.solids import Solid, solids_of
+from robots_core.blocks.collision.solids import FLAT, HULL_EXCESS, Solid, solids_of
+from robots_core.content_cache import Arrays, content_of, kept
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh
 from robots_core.validation import Array
 
-KEPT: Final = 4  # robots; pieces of meshes take a second
+KEPT: Final = 4  # robots
+KEPT_FROM: Final = 500  # corners of all meshes; for fewer nothing takes long
 
 
 @lru_cache(maxsize=KEPT)
 def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
-    """The robot's collision shapes as solids."""
-    return tuple(
-        solid
-        for shape in robot.collision_model.shapes
-        for solid in solids_of(shape.name, shape.geometry, shape.frame, shape.pose)
-    )
+    """The robot's collision shapes as solids; the pieces of large meshes are kept by content."""
+    shapes = robot.collision_model.shapes
+    meshes = [shape.geometry for shape in shapes if isinstance(shape.geometry, Mesh)]
+    arrays = _kept_arrays_of(meshes) if is_large(meshes) else _arrays_of(meshes)
+    found: list[Solid] = []
+    index = 0
+    for shape in shapes:
+        if isinstance(shape.geometry, Mesh):
+            for number, convex in enumerate(arrays[f'{index}'].tolist()):
+                piece = Mesh(arrays[f'{index}.{number}.vertices'], arrays[f'{index}.{number}.faces'])
+                found.append(Solid(shape.name, piece, shape.frame, shape.pose, convex))
+            index += 1
+        else:
+            found += solids_of(shape.name, shape.geometry, shape.frame, shape.pose)
+    return tuple(found)
+
+
+def is_large(meshes: Sequence[Mesh]) -> bool:
+    """What is computed from the meshes is worth a file."""
+    return sum(len(mesh.vertices) for mesh in meshes) >= KEPT_FROM
+
+
+def _kept_arrays_of(meshes: Sequence[Mesh]) -> Arrays:
+    corners_and_faces = (part for mesh in meshes for part in (mesh.vertices, mesh.faces))
+    content = content_of((HULL_EXCESS, FLAT, *corners_and_faces))
+    return kept('robot_solids', content, lambda: _arrays_of(meshes))
+
+
+def _arrays_of(meshes: Sequence[Mesh]) -> Arrays:
+    """By index of a mesh, which of its pieces are convex; by index and number, vertices and faces of each."""
+    arrays: dict[str, NDArray[Any]] = {}
+    for index, mesh in enumerate(meshes):
+        pieces = solids_of('', mesh, 0, Pose.identity())
+        arrays[f'{index}'] = np.array([piece.convex for piece in pieces])
+        for number, piece in enumerate(pieces):
+            assert isinstance(piece.geometry, Mesh)
+            arrays[f'{index}.{number}.vertices'] = piece.geometry.vertices
+            arrays[f'{index}.{number}.faces'] = piece.geometry.faces
+    return arrays
 
 
 def held_solids(robot: BaseRobotModel, scene: Scene) -> tuple[Solid, ...]:
