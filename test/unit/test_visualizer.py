@@ -22,12 +22,12 @@ from robots_core.validation import Array
 LOCAL = '127.0.0.1'
 
 
-@pytest.fixture(params=available_robot_models())
+@pytest.fixture(scope='module', params=available_robot_models())
 def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
     return load_robot_model(request.param)
 
 
-@pytest.fixture
+@pytest.fixture(scope='module')
 def visualizer(robot: BaseRobotModel) -> Iterator[Visualizer]:
     page = Visualizer(robot, port=0)
     yield page

@@ -16,11 +16,12 @@ from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.page_camera import FIELD_OF_VIEW, VIEWS, CameraView, PlacedBounds, View, camera_view
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
+from robots_core.content_cache import Arrays, content_of, kept
 from robots_core.free_port import free_port
 from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Box, Geometry, Shape
+from robots_core.robot_model.shapes import Box, Geometry, Mesh, Shape
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.validation import Array
 
@@ -41,6 +42,20 @@ def zone_solid(zone: Zone, size: float) -> tuple[Box, Pose]:
             across = np.linalg.svd(normal[None])[2][1:]
             T = np.column_stack([across[0], np.cross(normal, across[0]), normal])
             return Box((size, size, PLATE)), Pose(point, T)
+
+
+def shaded(geometry: Geometry) -> trimesh.Trimesh:
+    """The surface of a geometry with doubled vertices at creases; that of a mesh is kept by content."""
+    mesh = triangle_mesh(geometry)
+    if not isinstance(geometry, Mesh):
+        return trimesh.graph.smooth_shade(mesh, angle=CREASE)
+
+    def shade() -> Arrays:
+        smooth = trimesh.graph.smooth_shade(mesh, angle=CREASE)
+        return {'vertices': np.asarray(smooth.vertices), 'faces': np.asarray(smooth.faces)}
+
+    content = content_of((geometry.vertices, geometry.faces, CREASE))
+    return trimesh.Trimesh(**kept('shaded', content, shade), process=False)
 
 
 class Visualizer:
@@ -238,7 +253,7 @@ class Visualizer:
         red, green, blue, opacity = colour
         return self._add_mesh(
             name,
-            trimesh.graph.smooth_shade(triangle_mesh(geometry), angle=CREASE),
+            shaded(geometry),
             pose,
             color=(round(255 * red), round(255 * green), round(255 * blue)),
             opacity=None if opacity >= 1.0 else opacity,
