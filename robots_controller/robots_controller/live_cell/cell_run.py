@@ -1,0 +1,153 @@
+"""A run of a cell: its nodes, its recording, and the verdict on its program."""
+
+import argparse
+import os
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from rich.console import Console
+
+from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_controller.live_cell.cell_listener import CellListener, listen
+from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.live_cell.running_cell import RunningCell, occupied
+from robots_controller.runtime_folder import alone
+from robots_core.errors import RobotsError
+from robots_core.exit_codes import ExitCode
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+
+
+def run_cell_alone(
+    options: argparse.Namespace,
+    console: Console,
+    graph: Sequence[NodeDescription],
+    robot: BaseRobotModel,
+    *,
+    token: str,
+    missing: str,
+) -> int:
+    """Run a cell, unless there is another one in its namespace.
+
+    Args:
+        options: Of the command.
+        console: Where what happens is shown.
+        graph: The nodes.
+        robot: Their robot.
+        token: For editors; '' for none.
+        missing: Why there is no operator's page; '' where there is one or none is wanted.
+
+    Returns:
+        Exit code, see `run_cell`.
+    """
+    place = f'cell {os.environ.get("ROS_DOMAIN_ID") or "0"} {options.namespace}'
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(alone(place))
+        except RobotsError as error:
+            console.print(occupied('cell', options.namespace, f' ({error})'))
+            return ExitCode.FAILED
+        _show_start(options, console, token, missing)
+        return _run(options, console, graph, robot)
+
+
+def _show_start(options: argparse.Namespace, console: Console, token: str, missing: str) -> None:
+    job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
+    console.print(f'[bold]{options.robot}[/]{job}')
+    if options.note:
+        console.print(f'[yellow]{options.note}[/]')
+    if missing:
+        console.print(f'[yellow]{missing}[/]', soft_wrap=True)
+    if token:
+        console.print(
+            f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
+        )
+
+
+def _run(
+    options: argparse.Namespace, console: Console, graph: Sequence[NodeDescription], robot: BaseRobotModel
+) -> int:
+    folder = _run_folder(options.record or Path('out'), options)
+    processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
+    with _bag(options, folder) as bag, listen(options.namespace, bag, lockstep=options.lockstep) as listener:
+        view = CellView(console, processes.names, robot.axes_data.prismatic)
+        cell = RunningCell(options, processes, listener, view)
+        try:
+            if not options.lockstep and (found := cell.others()):
+                console.print(occupied(found, options.namespace))
+                return ExitCode.FAILED
+            if options.lockstep:
+                listener.coordinate(processes.names)
+            processes.start()
+            code = cell.run()
+            cell.bring_to_rest()
+            code = _close_recording(listener, options, console, cell.program_ended) or code
+            if options.once and options.view and cell.program_ended:
+                console.print('the pages stay open; Ctrl-C ends them')
+                cell.watch()
+        except KeyboardInterrupt:
+            console.print('\nstopping ...')
+            code = ExitCode.INTERRUPTED
+            cell.bring_to_rest()
+            _close_recording(listener, options, console, program_ended=False)
+        finally:
+            view.close()
+            processes.stop()
+    return code
+
+
+@contextmanager
+def _bag(options: argparse.Namespace, folder: Path) -> Iterator[Path | None]:
+    """Where the bag goes; the verdict on a program needs one for a while."""
+    if options.record or not options.once:
+        yield folder / 'bag' if options.record else None
+        return
+    with tempfile.TemporaryDirectory(prefix='cell_') as temporary:
+        yield Path(temporary) / 'bag'
+
+
+def _close_recording(
+    listener: CellListener,
+    options: argparse.Namespace,
+    console: Console,
+    program_ended: bool,  # noqa: FBT001
+) -> int:
+    """Close the bag, if there is one that is open, and report on it; returns an exit code."""
+    recorder = listener.recorder
+    if recorder is None or recorder.closed:
+        return ExitCode.OK
+    listener.close_recording()
+    if options.record:
+        console.print(f'bag: {recorder.path}')
+    if recorder.problem:
+        return ExitCode.FAILED
+    if not program_ended:
+        return ExitCode.OK
+    # Loads SciPy and the reading of meshes, which the cell itself does not need.
+    from robots_controller.commands.json_output import print_json  # noqa: PLC0415
+    from robots_controller.report.report_json import report_data  # noqa: PLC0415
+    from robots_controller.report.run_report import run_report  # noqa: PLC0415
+    from robots_controller.report.terminal import show_verdict  # noqa: PLC0415
+
+    report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
+    if options.json:
+        print_json(report_data(report))
+    else:
+        show_verdict(report, console)
+    return ExitCode.OK if report.ok else ExitCode.FAILED
+
+
+def _run_folder(root: Path, options: argparse.Namespace) -> Path:
+    program = Path(options.program).stem or 'cell'
+    robot = Path(options.robot.removeprefix('urdf:')).stem
+    stamp = time.strftime('%Y%m%d-%H%M%S')
+    folder = root / f'{program}_{robot}_{stamp}'
+    number = 1
+    while folder.exists():
+        number += 1
+        folder = root / f'{program}_{robot}_{stamp}_{number}'
+    folder.mkdir(parents=True)
+    return folder
