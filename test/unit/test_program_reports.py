@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -20,11 +19,11 @@ from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import parse_options, run
 from robots_core.exit_codes import ExitCode
+from short_programs import PROGRAMS, short_copy
 
 from .report_browsers import BROWSERS, open_page
 from .test_report_page import Page
 
-PROGRAMS = Path(__file__).parents[2] / 'programs'
 DEADLINE = 100.0  # s
 HALF_A_MEGABYTE = 500_000
 # The motion through the pillar is refused.
@@ -32,24 +31,8 @@ FAIL = ('welding_collision',)
 # Opened in browsers: a long one, one that ends early, one of another kind of robot.
 OPENED = ('palletizing', 'welding_collision', 'debris_removal')
 
-# What is done again and again is done twice here, and what takes long is broken off: the tests of these
-# programs run them whole.
-SHORTENED = {
-    'motion_simulator': ('TIME = 26', 'TIME = 6'),
-    'wheel_laboratory': ('{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}', '{0, 0.8}'),
-}
-
-
-def shortened(program: Path, folder: Path) -> Path:
-    """The program, or a shorter copy of it."""
-    if program.stem not in SHORTENED:
-        return program
-    before, after = SHORTENED[program.stem]
-    text = program.read_text()
-    assert text.count(before) == 1
-    copy = shutil.copytree(PROGRAMS, folder / 'programs') / program.name
-    copy.write_text(text.replace(before, after))
-    return copy
+# Run as it is, as one whose curves have many points; all others in the short form of the cells' tests.
+WHOLE = ('palletizing',)
 
 
 def simulated(folder: Path, program: Path, *options: str) -> int:
@@ -61,7 +44,8 @@ def simulated(folder: Path, program: Path, *options: str) -> int:
 @pytest.mark.parametrize('program', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.stem)
 def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     failed = program.stem in FAIL
-    assert simulated(tmp_path, shortened(program, tmp_path)) == (ExitCode.FAILED if failed else ExitCode.OK)
+    path = program if program.stem in WHOLE else short_copy(tmp_path / 'programs', program.name)
+    assert simulated(tmp_path, path) == (ExitCode.FAILED if failed else ExitCode.OK)
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     for browser in BROWSERS if program.stem in OPENED else ():
@@ -74,10 +58,9 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
 
 @pytest.mark.parametrize('name', ['palletizing', 'welding_collision', 'welding_around_pillar'])
 def test_a_report_tells_what_was_simulated(name: str, tmp_path: Path):
-    header = read_program_header(PROGRAMS / f'{name}.lua')
-    known = simulate(
-        PROGRAMS / f'{name}.lua', robot=header.robot, drive='ideal', scene=header.scene, bag=tmp_path / 'bag'
-    )
+    program = short_copy(tmp_path / 'programs', f'{name}.lua')
+    header = read_program_header(program)
+    known = simulate(program, robot=header.robot, drive='ideal', scene=header.scene, bag=tmp_path / 'bag')
     report = run_report(tmp_path / 'bag', scene=header.scene or None)
     assert report.run.program_state == known.state
     # The bag's stamps are whole nanoseconds.
