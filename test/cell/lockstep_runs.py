@@ -13,7 +13,7 @@ from rich.console import Console
 from robots_controller.defaults import RATE
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
-from short_programs import short_copy
+from short_programs import SHORTENED, SHORTEST, short_copy
 
 WIDTH = 120
 FULL = 'second_order'
@@ -73,7 +73,7 @@ class LockstepRuns:
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                path = short_copy(folder / 'programs', program)
+                path = short_copy(folder / 'programs', program, SHORTENED if drive == FULL else SHORTEST)
                 found = run_cell_with(path, folder / 'out', *options)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())

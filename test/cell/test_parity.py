@@ -119,6 +119,7 @@ def test_a_robot_goes_around_obstacles_alike_in_both_cells(
     program = tmp_path / 'program.lua'
     program.write_text(
         '-- Robot: kuka_kr210_r2700  Scene: scene.yaml\n'
+        'setAvoid(false, 0.4)\n'
         'ptpJointSpaceAngles(15, -70, 90, 0, 70, 0)\n'
         'ptpJointSpaceAngles({75, -70, 90, 0, 70, 0}, {avoid = true})\n'
         'setAvoid(true)\n'
