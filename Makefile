@@ -221,6 +221,11 @@ benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions aro
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
 	@$(RUN) python test/benchmark/benchmark_programs.py
 
+.PHONY: benchmark-pendant
+benchmark-pendant: build .venv/.installed_tests  ## The operator's page in Chromium: until usable, a press until the robot moves, ten viewers, memory for DURATION=3600 s
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/endurance:$$PWD/test/support" \
+	  python test/benchmark/benchmark_pendant.py $(or $(DURATION),3600) $(OPTIONS)
+
 # A separate folder: the package is large, and needed here only.
 .venv/example_robots/.installed: requirements-example-robots.txt $(VENV_STAMP)
 	@$(call INSTALL,--upgrade --no-deps --target .venv/example_robots -r $<)

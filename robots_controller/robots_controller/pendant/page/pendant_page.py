@@ -91,32 +91,32 @@ class PendantPage:
                     if name == 'messages':
                         self._pending = ui.badge().props('floating color=negative')
         with ui.tab_panels(self._tabs, value='jog', animated=False).classes('panels').props('keep-alive'):
-            with ui.tab_panel('jog'):
-                self._jog = JogPanel(self._viewer)
-            with ui.tab_panel('program'):
-                self._program = ProgramPanel(self._viewer, folder)
-            with ui.tab_panel('io'):
-                io = IoPanel(self._viewer)
-            with ui.tab_panel('trends'):
-                trends = TrendPanel(self._viewer)
-            with ui.tab_panel('frames'):
-                frames = FramesPanel(self._viewer, folder)
-            with ui.tab_panel('messages'):
-                messages = MessagePanel(self._viewer)
-        self._panels: dict[str, Panel] = {
-            'jog': self._jog,
-            'program': self._program,
-            'io': io,
-            'trends': trends,
-            'frames': frames,
-            'messages': messages,
+            self._places = {name: ui.tab_panel(name) for name in TABS}
+        viewer = self._viewer
+        self._makers: dict[str, Callable[[], Panel]] = {
+            'program': lambda: ProgramPanel(viewer, folder),
+            'io': lambda: IoPanel(viewer),
+            'trends': lambda: TrendPanel(viewer),
+            'frames': lambda: FramesPanel(viewer, folder),
+            'messages': lambda: MessagePanel(viewer),
         }
+        with self._places['jog']:
+            self._jog = JogPanel(viewer)
+        self._panels: dict[str, Panel] = {'jog': self._jog}
+
+    def _panel(self, name: str) -> Panel:
+        """A panel, which is made when it is opened first: a page with all of them takes long to load."""
+        if name not in self._panels:
+            with self._places[name]:
+                self._panels[name] = self._makers[name]()
+        return self._panels[name]
 
     # -- what is held -------------------------------------------------------------------------------------
 
     async def _hold(self, event: GenericEventArguments) -> None:
         number, key = _press(event.args)
-        line = self._program.line if key == RUN_KEY or key.startswith(STEP_KEY) else self._jog.line
+        program = self._panels.get('program') if key == RUN_KEY or key.startswith(STEP_KEY) else None
+        line = program.line if isinstance(program, ProgramPanel) else self._jog.line
         if number != self._number:
             self._number = number
             line.show('')
@@ -153,7 +153,7 @@ class PendantPage:
         pending = self._operator.messages.pending
         self._pending.set_text(str(pending))
         self._pending.set_visibility(bool(pending))
-        self._panels[str(self._tabs.value)].refresh(state)
+        self._panel(str(self._tabs.value)).refresh(state)
 
     def _refresh_with_scene(self) -> None:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
