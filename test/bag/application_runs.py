@@ -14,7 +14,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from robots_controller.program.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.recording.bag_qos import bag_qos_of
+from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.simulate import simulate
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.simulation_run import SimulationRun
@@ -62,7 +62,7 @@ def keep(name: str, bag: Path, to: Path) -> None:
                 topic,
                 found.topics[topic].type,
                 typestore=store,
-                offered_qos_profiles=[bag_qos_of(topic)],
+                offered_qos_profiles=[bag_qos(latched=False)],
             )
             for topic in sorted(kept & {*found.topics})
         }
