@@ -291,7 +291,7 @@ class OpcuaPartner(Partner):
     let in; users and applications that it does not know are not.
 
     Args:
-        variables: Values by name, as ints, floats and bools; an int is an Int32.
+        variables: Values by name; an int is an Int32.
         certificate: Files of its certificate and key.
         users: Passwords by name.
         strangers: Applications whose certificates it does not trust.
@@ -301,7 +301,7 @@ class OpcuaPartner(Partner):
 
     def __init__(
         self,
-        variables: dict[str, float],
+        variables: dict[str, Any],
         certificate: tuple[str, str],
         users: dict[str, str],
         strangers: tuple[str, ...] = (),
@@ -314,7 +314,7 @@ class OpcuaPartner(Partner):
         self._server = self.call(self._made(variables, certificate))
         self._listens = False
 
-    async def _made(self, variables: dict[str, float], certificate: tuple[str, str]) -> Any:
+    async def _made(self, variables: dict[str, Any], certificate: tuple[str, str]) -> Any:
         server = opcua.Server(user_manager=self)
         await server.init()
         server.set_endpoint(self.endpoint)
