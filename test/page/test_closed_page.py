@@ -22,7 +22,7 @@ def running() -> Iterator[Browser]:
         yield started
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture
 def served_cell() -> Iterator[tuple[PendantOperator, str]]:
     operator, _ = made_up_operator()
     with served(operator) as url:
