@@ -117,7 +117,12 @@ def _check_switch(function: str, label: str, given: LuaArgument, sizes: Sizes) -
 
     def value(key: str, of: ArgumentKind, unit: str = '') -> float:
         argument = Argument(key, of, unit)
-        return float(check_value(function, f'options.{label}.{key}', argument, fields[key], sizes))
+        checked = check_value(function, f'options.{label}.{key}', argument, fields[key], sizes)
+        if isinstance(checked, str):
+            raise LuaCallError(
+                f'{function}: options.{label}.{key} = {checked!r}: no I/O map names it; valid is its number'
+            )
+        return float(checked)
 
     return PathSwitch(
         anchor=anchor,  # type: ignore[arg-type]  # one of ANCHORS
