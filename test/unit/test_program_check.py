@@ -118,6 +118,10 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
             'options.on_path[1] has output, time_before_end; valid is {distance_before_end (m)',
         ),
         (
+            'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {on_path = {time_before_end=1, output="lamp", value=1}})',
+            "options.on_path.output = 'lamp': no I/O map names it; valid is its number",
+        ),
+        (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {on_path = {before_end = 1, output = 1, value = 1}})',
             'options.on_path has before_end, output, value',
         ),
