@@ -1,5 +1,6 @@
 """Files that users give: regular ones, bounded in size, read whole or refused with the reason."""
 
+import os
 import stat
 from pathlib import Path
 from typing import Final
@@ -71,6 +72,16 @@ def read_text(path: Path | str, what: str = 'file', *, largest: int = MAX_TEXT) 
             file=Path(path).name,
             line=line,
         ) from None
+
+
+def exists(path: Path | str) -> bool:
+    """Whether there is something at a path; not if the system refuses the path, as one that is too long."""
+    return os.path.exists(path)  # noqa: PTH110  # Path.exists raises OSError there
+
+
+def is_file(path: Path | str) -> bool:
+    """Whether there is a file at a path; see `exists`."""
+    return os.path.isfile(path)  # noqa: PTH113
 
 
 def _unreadable(path: Path | str, what: str, problem: Exception) -> UnreadableFileError:

@@ -160,6 +160,8 @@ def test_the_message_of_a_run_has_line_mistake_and_remedy(tmp_path: Path, line: 
         ('-- Robot: ur5', "did you mean 'ur5e'?"),
         ('-- Robot: urdf:/nowhere.urdf', 'there is no URDF file'),
         ('-- Robot: ur5e  Scene: nowhere.yaml', 'it is looked for from the folder of the program'),
+        (f'-- Robot: ur5e  Scene: {5000 * "s"}.yaml', 'it is looked for from the folder of the program'),
+        (f'-- Robot: urdf:{5000 * "u"}.urdf', 'cannot be read: File name too long'),
     ],
 )
 def test_the_message_about_a_header_has_line_mistake_and_remedy(tmp_path: Path, line: str, remedy: str):

@@ -27,6 +27,7 @@ from robots_core.robot_choice import load_robot_model
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = str(ROOT / 'programs' / 'welding.lua')
+TOO_LONG = 5000 * 'a'  # for any file system
 URDF = """<robot name="two"><link name="a"/><link name="b"/><link name="c"/>
 <joint name="j1" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" velocity="1" effort="0"/></joint>
@@ -63,6 +64,10 @@ def test_every_tool_has_its_executable() -> None:
         (['simulate', PROGRAM, '--patience', '0'], 'a number above 0, in s'),
         (['simulate', PROGRAM, '--drvie', 'ideal'], "did you mean '--drive'?"),
         (['simulate'], 'required: program'),
+        (['simulate', TOO_LONG], 'not found; programs are Lua files'),
+        (['simulate', PROGRAM, '--scene', TOO_LONG], 'not found'),
+        (['simulate', PROGRAM, '--bag', TOO_LONG], 'cannot be used: File name too long'),
+        (['report', TOO_LONG], 'does not exist; a bag is a folder'),
         (['check_program', PROGRAM, '--combinations', '0'], 'a whole number of at least 1'),
         (['report', 'no_bag'], "'no_bag' does not exist; a bag is a folder"),
         (['report', '.', '-o', '/nope/x.html'], "no folder '/nope'"),

@@ -1,7 +1,6 @@
 """What a program adds to the options of `cell` and `simulate`, and what is said before they start."""
 
 import argparse
-from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
@@ -10,6 +9,7 @@ from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.program_header import HEADER_FILES, ProgramHeader, read_program_header
 from robots_core.errors import UnreadableFileError
+from robots_core.files import is_file
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 
@@ -23,7 +23,7 @@ def take_from_program(options: argparse.Namespace) -> None:
     """
     header = ProgramHeader()
     if options.program:
-        if not Path(options.program).is_file():
+        if not is_file(options.program):
             raise UnreadableFileError(
                 f'program {options.program!r} not found; programs are Lua files, see programs/'
             )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, NoReturn
 
-from robots_core.errors import OptionError, RobotsError
+from robots_core.errors import OptionError, RobotsError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
 from robots_core.nearest_name import did_you_mean
 
@@ -129,6 +129,12 @@ def run_with_console(run: Callable[[Console], int]) -> int:
         return run(Console(highlight=False, soft_wrap=True))
     except RobotsError as error:
         print(error.line_for_person, file=sys.stderr)
+        return ExitCode.BAD_INPUT
+    except OSError as error:
+        if error.filename is None:  # not of a path that a person has given
+            raise
+        refused = UnreadableFileError(f'{error.filename} cannot be used: {error.strerror}')
+        print(refused.line_for_person, file=sys.stderr)
         return ExitCode.BAD_INPUT
     except KeyboardInterrupt:
         return ExitCode.INTERRUPTED

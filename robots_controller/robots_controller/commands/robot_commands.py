@@ -16,6 +16,7 @@ from robots_controller.commands.robot_picture import robot_picture
 from robots_controller.terminal_table import Kind, TerminalTable
 from robots_core.errors import UnreadableFileError
 from robots_core.exit_codes import ExitCode
+from robots_core.files import is_file
 from robots_core.moveit_config import write_moveit_files
 from robots_core.robot_choice import URDF_PREFIX, XACRO_PREFIX, available_robot_models, load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -85,7 +86,7 @@ def check_robot(options: argparse.Namespace, console: Console) -> int:
     name = options.robot
     if not name.startswith((URDF_PREFIX, XACRO_PREFIX)):
         file = Path(name.partition('?')[0])
-        if not file.is_file():
+        if not is_file(file):
             raise UnreadableFileError(
                 f'there is no file {str(file)!r}; robots show takes the names of installed robots'
             )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_core.errors import RobotsError
+from robots_core.files import exists
 
 LARGEST_PORT: Final = 65535
 PLACES: Final = tuple(
@@ -83,7 +84,7 @@ def existing(what: str) -> Callable[[str], str]:
     """
 
     def kind(text: str) -> str:
-        if text and not Path(text).exists():
+        if text and not exists(text):
             raise argparse.ArgumentTypeError(f'{what} {text!r} not found')
         return text
 
@@ -136,7 +137,7 @@ def payload(text: str) -> tuple[float, ...]:
 def bag(text: str) -> Path:
     """A recorded bag that exists: a folder or a file, or one at most two folders below."""
     path = Path(text)
-    if not path.exists():
+    if not exists(path):
         raise argparse.ArgumentTypeError(
             f'{text!r} does not exist; a bag is a folder with metadata.yaml, or a .mcap or .db3 file'
         )

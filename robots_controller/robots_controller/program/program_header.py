@@ -11,6 +11,7 @@ from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 from robots_core.errors import ProgramError, RobotsError
+from robots_core.files import exists, is_file
 from robots_core.nearest_name import nearest_name
 from robots_core.robot_choice import available_robot_models, load_robot_model
 
@@ -72,7 +73,7 @@ class ProgramHeader:
         self._check_robot()
         for key, line in self.lines.items():
             path = getattr(self, key)
-            if key != 'robot' and not Path(path).exists():
+            if key != 'robot' and not exists(path):
                 raise ProgramError(
                     f'there is no {key} {path}, which the header names; it is looked for from the folder of '
                     f'the program, and --{key} takes another',
@@ -82,8 +83,8 @@ class ProgramHeader:
 
     def _check_robot(self) -> None:
         plain = self.robot.partition('?')[0]
-        file = Path(plain.partition(':')[2])
-        if 'robot' not in self.lines or plain in available_robot_models() or file.is_file():
+        file = plain.partition(':')[2]
+        if 'robot' not in self.lines or plain in available_robot_models() or is_file(file):
             return
         try:
             load_robot_model(self.robot)

@@ -15,6 +15,7 @@ from rosbags.typesys.store import Typestore
 
 from robots_controller.recording.mcap_recovery import recover_mcap
 from robots_core.errors import BagError
+from robots_core.files import exists
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
 
@@ -120,7 +121,7 @@ def read_bag(path: Path | str) -> Bag:
         RobotsError: what is wrong with it.
     """
     path = Path(path)
-    if not path.exists():
+    if not exists(path):
         raise BagError(
             f'{path} does not exist; a bag is a folder with metadata.yaml, or a .mcap or .db3 file'
         )

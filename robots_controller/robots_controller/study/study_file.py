@@ -12,7 +12,7 @@ from robots_controller.study.program_variant import Value, program_variant
 from robots_controller.study.study_case import StudyCase, packed_files
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
+from robots_core.files import is_file, read_text
 from robots_core.yaml_section import YamlSection, located, read_yaml
 
 MOST_CASES: Final = 1_000_000
@@ -115,7 +115,7 @@ def _texts(section: YamlSection, key: str) -> list[tuple[str, int]]:
 
 def _file(section: YamlSection, path: Path, text: str, line: int) -> Path:
     file = path.parent / text
-    if not file.is_file():
+    if not is_file(file):
         raise located(section.file, line, f'{text!r} is no file in {path.parent}')
     return file
 
