@@ -196,13 +196,19 @@ def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
                         colliding[label] += collides(robot, problem, outcome.postures, options.dense)
             for label, outcomes in found.items():
                 if outcomes:
-                    yield (name, family, label, *figures(outcomes, colliding[label]))
+                    yield (name, family, label, *figures(outcomes, colliding[label], found['ours']))
 
 
-def figures(outcomes: list[Outcome], colliding: int) -> tuple[str, ...]:
+def figures(outcomes: list[Outcome], colliding: int, ours: list[Outcome]) -> tuple[str, ...]:
     times = 1e3 * np.array([outcome.seconds for outcome in outcomes])
     paths = [outcome.postures for outcome in outcomes if outcome.postures is not None]
     durations = [o.trajectory.duration for o in outcomes if o.trajectory is not None]
+    # Of problems that both have solved.
+    ratios = [
+        mine.trajectory.duration / outcome.trajectory.duration
+        for mine, outcome in zip(ours, outcomes, strict=False)
+        if mine.trajectory is not None and outcome.trajectory is not None
+    ]
     lengths = [np.linalg.norm(np.diff(postures, axis=0), axis=1).sum() for postures in paths]
     return (
         f'{len(paths)} of {len(outcomes)}',
@@ -210,6 +216,7 @@ def figures(outcomes: list[Outcome], colliding: int) -> tuple[str, ...]:
         f'{np.percentile(times, 95):.1f}',
         f'{np.mean(lengths):.2f}' if lengths else '-',
         f'{np.mean(durations):.2f}' if durations else '-',
+        f'{np.mean(ratios):.2f}' if ratios else '-',
         f'{colliding}',
     )
 
@@ -237,6 +244,7 @@ def main() -> None:
         '95 % ms',
         'length rad',
         'duration s',
+        'ours of it',
         'colliding',
     )
     for row in rows(options):

@@ -33,7 +33,7 @@ from printed_tables import machine, show
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.pendant.page.jog_panel import FIRST_SPEED
 from robots_controller.report.tables import ReportTable, Row
-from robots_core.ros.qos import REFERENCE, STREAM
+from robots_core.ros.qos import STREAM, polled_qos
 from robots_core.validation import Array
 from ros_domains import reserved_domain
 from soak.figures import MEANINGFUL, MemoryFigures, memory_figures
@@ -63,7 +63,7 @@ class Watcher(Node):
         super().__init__('pendant_benchmark')
         self.moving: list[float] = []  # when references of a moving robot were sent, s
         self.late: list[float] = []  # s
-        reading = QoSProfile(depth=1000, reliability=REFERENCE.reliability)
+        reading = QoSProfile(depth=1000, reliability=polled_qos('joint_reference').reliability)
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, reading)
         self._twists = self.create_publisher(TwistStamped, 'teach_twist', STREAM)
 

@@ -35,6 +35,7 @@ from trajectory_msgs.msg import JointTrajectory
 from plant_partners import ModbusPartner, MqttPartner, OpcuaPartner, certificate
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import motion_result_from_message
 from robots_core.ros.middleware import choose_transports
 from robots_core.ros.qos import COMMAND, SENSOR, STREAM
@@ -253,7 +254,8 @@ class Commander(Node):
         self._changed = threading.Condition()
         self._reference: list[float] = []
         self._moved = 0
-        self._results: set[str] = set()
+        self._number = 0
+        self._results: dict[str, MotionResult] = {}
         self._commands = self.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, SENSOR)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_result, COMMAND)
@@ -269,9 +271,7 @@ class Commander(Node):
     def _on_result(self, message: DiagnosticStatus) -> None:
         with self._changed:
             result = motion_result_from_message(message)
-            if not result.ok:
-                raise SystemExit(f'the motion was refused: {result.message}')
-            self._results.add(result.id)
+            self._results[result.id] = result
             self._changed.notify_all()
 
     def until(self, condition: Any, what: str) -> None:
@@ -279,22 +279,31 @@ class Commander(Node):
             if not self._changed.wait_for(condition, PATIENCE):
                 raise SystemExit(f'no {what} arrives')
 
-    def ready(self) -> None:
-        self.until(lambda: self._reference, 'reference')
-        end = time.monotonic() + PATIENCE
-        while not self._commands.get_subscription_count() and time.monotonic() < end:
-            time.sleep(0.1)
-
-    def delay(self, number: int, target: np.ndarray) -> float:
-        """Time from a command to the first changed reference, ms."""
+    def _move(self, target: np.ndarray) -> MotionResult:
+        self._number += 1
         command = JointState(name=self._names, position=target.tolist())
-        command.header.stamp = Time(sec=number)
+        command.header.stamp = Time(sec=self._number)
+        id_ = f'{self._number}.000000000'
+        self._commands.publish(command)
+        self.until(lambda: id_ in self._results, 'result')
+        return self._results[id_]
+
+    def ready(self, target: np.ndarray) -> None:
+        """Command motions to `target` until one succeeds: planning_node refuses them before its reference."""
+        self.until(lambda: self._reference and self._commands.get_subscription_count(), 'reference')
+        end = time.monotonic() + PATIENCE
+        while not (result := self._move(target)).ok:
+            if time.monotonic() > end:
+                raise SystemExit(f'the motion is refused: {result.message}')
+
+    def delay(self, target: np.ndarray) -> float:
+        """Time from a command to the first changed reference, ms."""
         with self._changed:
             self._moved = 0
         start = time.perf_counter_ns()
-        self._commands.publish(command)
-        self.until(lambda: self._moved, 'changed reference')
-        self.until(lambda: f'{number}.000000000' in self._results, 'result')
+        result = self._move(target)
+        if not (result.ok and self._moved):
+            raise SystemExit(f'the robot has not moved: {result.message}')
         return 1e-6 * (self._moved - start)
 
 
@@ -315,13 +324,13 @@ def run_motions(robot: str, count: int) -> np.ndarray:
         stack.enter_context(spinning(commander))
         for part in parts:
             stack.enter_context(process(*node_command(part)))
-        commander.ready()
         step = np.eye(model.num_axes)[0] * np.radians(2.0)
+        commander.ready(model.home + step)  # the first motion loads code
         delays = []
-        for number in track(range(1, count + 2), description='motions', transient=True):
+        for number in track(range(count), description='motions', transient=True):
             time.sleep(PAUSE)
-            delays.append(commander.delay(number, model.home + (number % 2) * step))
-    return np.array(delays[1:])  # the first loads code
+            delays.append(commander.delay(model.home + (number % 2) * step))
+    return np.array(delays)
 
 
 def main() -> None:
