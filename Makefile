@@ -274,8 +274,8 @@ plots-rover-placement: build .venv/benchmark/.installed  ## Forces on arm and ro
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m rover_mission.plots $(OPTIONS)
 
 .PHONY: screenshots-pendant
-screenshots-pendant: build .venv/.installed_tests  ## Pictures of the operator's page for the documentation; OPTIONS='--all out/pendant' makes every view
-	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/support" python test/page/take_pictures.py $(OPTIONS)
+screenshots-pendant: build .venv/.installed_tests  ## Pictures of the operator's page for the documentation: every view, size and theme
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/support" python test/page/take_pictures.py
 
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
+from io import BytesIO
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 from browser_page import browser, open_page
 from made_up_cell import made_up_operator, ready_state, running_program, served, some_messages, switched
+from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
 from robots_controller.pendant.pendant_operator import PendantOperator
@@ -20,17 +21,10 @@ from robots_core.orientation import rotation_from_vector
 FOLDER = Path('docs/how_to/pictures')
 SIZES = {'desktop': (1440, 900), 'tablet': (1024, 768)}
 VIEWS = ('jog', 'program', 'io', 'trends', 'frames', 'messages')
-SHOWN = (
-    ('jog', 'desktop', 'light'),
-    ('program', 'desktop', 'dark'),
-    ('io', 'tablet', 'light'),
-    ('trends', 'desktop', 'light'),
-    ('frames', 'desktop', 'light'),
-)
-"""In the documentation: view, size and theme."""
 TRENDS = ('Position A1', 'Position A3', 'Digital output 2 gripper')
 """Beside the speed of the tool."""
 SCENE_TIME = 15_000.0  # ms, for the 3D view to be drawn by the processor
+QUALITY = 60  # of WebP
 TAB_TIME = 4000.0  # ms, for a panel to be in front
 WITHOUT_GPU = ('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
 
@@ -97,7 +91,8 @@ def take(page: Page, operator: PendantOperator, url: str, view: str, path: Path)
         page.keyboard.press('Escape')
     page.mouse.move(0, 0)
     page.wait_for_timeout(TAB_TIME)
-    page.screenshot(path=path, type='jpeg', quality=80)
+    with Image.open(BytesIO(page.screenshot())) as picture:
+        picture.save(path, quality=QUALITY, method=6)
     print(path)
 
 
@@ -106,35 +101,23 @@ def hide_warning(page: Page) -> None:
     click(page.frame_locator('.scene iframe').locator('[role=alert] button'))
 
 
-def take_all(
-    running: Browser, operator: PendantOperator, scene_url: str, folder: Path, wanted: set[tuple[str, ...]]
-) -> None:
-    """The wanted pictures, each named by view, size and theme."""
+def take_all(running: Browser, operator: PendantOperator, scene_url: str) -> None:
+    """Pictures of every view, each named by view, size and theme."""
     with served(operator) as url:
         for (size, (width, height)), theme in product(SIZES.items(), ('light', 'dark')):
-            views = [view for view in VIEWS if (view, size, theme) in wanted]
-            if not views:
-                continue
             viewport = {'width': width, 'height': height}
             page = open_page(running, url, viewport=viewport, color_scheme=theme)
             operator.desk.holder = ''  # the page before is kept for a while
             click(page.get_by_role('button', name='Take control'))
             hide_warning(page)
             page.wait_for_timeout(SCENE_TIME)
-            for view in views:
-                take(page, operator, scene_url, view, folder / f'pendant_{view}_{size}_{theme}.jpg')
+            for view in VIEWS:
+                take(page, operator, scene_url, view, FOLDER / f'pendant_{view}_{size}_{theme}.webp')
             page.context.close()
 
 
 def main() -> None:
     """Take the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        '--all', type=Path, metavar='FOLDER', help='every view, size and theme, into a folder'
-    )
-    options = parser.parse_args()
-    folder = options.all or FOLDER
-    folder.mkdir(parents=True, exist_ok=True)
     operator, _ = made_up_operator()
     for text in ('Press tending of 2 parts', 'part 1: pressed with 41.5 kN', 'part 1: placed'):
         operator.print(text)
@@ -144,11 +127,10 @@ def main() -> None:
     home = np.array(operator.robot.home)
     for part in np.linspace(-0.6, 0.0, 60):  # a path of the tool
         visualizer.update(home + part * np.array([1.0, 0.2, -0.3, 0.0, 0.4, 0.0]))
-    wanted = set(product(VIEWS, SIZES, ('light', 'dark'))) if options.all else set(SHOWN)
     show(operator, 'jog', visualizer.url)
     try:
         with browser(*WITHOUT_GPU) as running:
-            take_all(running, operator, visualizer.url, folder, wanted)
+            take_all(running, operator, visualizer.url)
     finally:
         visualizer.close()
 
