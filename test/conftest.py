@@ -39,7 +39,7 @@ AnyNode = TypeVar('AnyNode')
 
 WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
-CELLS = {'bag', 'cell'}  # folders of tests that start processes
+CELLS = {'bag', 'cell', 'page'}  # folders of tests that start processes
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
