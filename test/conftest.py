@@ -6,7 +6,7 @@ import gc
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -39,7 +39,7 @@ AnyNode = TypeVar('AnyNode')
 
 WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
-CELLS = {'bag', 'cell'}  # folders of tests that start processes
+CELLS = {'bag', 'cell', 'page'}  # folders of tests that start processes
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -60,6 +60,17 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     if package is None or not collection_path.match('test_*.py'):
         return None
     return True if package_of_test(collection_path) != package else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, Any, Any]:
+    """What is made while tests are collected stays: looking through it for garbage takes seconds."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,12 +1,20 @@
 """PackagedRobot: a robot whose folder holds `robot.urdf`, `joint_limits.yaml` and `meshes/`."""
 
+from functools import cached_property
 from importlib.resources import as_file, files
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from numpy.typing import ArrayLike
 
 from robots_core import StructuralData, UrdfRobotModel
+from robots_core.robot_model.collision_model import CollisionModel
+from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.urdf_robot_model import EARTH_GRAVITY
+
+_Key = tuple[type, str]  # and URDF
+# Neither changes, and programs that load a robot several times need its meshes once.
+_VISUALIZATIONS: Final[dict[_Key, RobotVisualization]] = {}
+_COLLISION_MODELS: Final[dict[_Key, CollisionModel]] = {}
 
 
 class PackagedRobot(UrdfRobotModel):
@@ -45,3 +53,21 @@ class PackagedRobot(UrdfRobotModel):
                 strict=True,
                 shapes_on_demand=True,
             )
+
+    @cached_property
+    def visualization(self) -> RobotVisualization:
+        """See `UrdfRobotModel.visualization`; read once for all robots of one description."""
+        key = type(self), self.description
+        found = _VISUALIZATIONS.get(key)
+        if found is None:
+            found = _VISUALIZATIONS[key] = super().visualization
+        return found
+
+    @cached_property
+    def collision_model(self) -> CollisionModel:
+        """See `UrdfRobotModel.collision_model`; read once for all robots of one description."""
+        key = type(self), self.description
+        found = _COLLISION_MODELS.get(key)
+        if found is None:
+            found = _COLLISION_MODELS[key] = super().collision_model
+        return found

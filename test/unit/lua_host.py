@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ class LuaHost:
         self.commanded = threading.Semaphore(0)
         self.spoken = threading.Semaphore(0)
         self._folder = folder
-        self._robot: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self._robot: queue.SimpleQueue[int | None] = queue.SimpleQueue()
         functions = {name: options.pop(name) for name in tuple(options) if hasattr(DetachedCell, name)}
         self.program = LuaProgram(
             num_axes,
@@ -59,7 +60,10 @@ class LuaHost:
             ),
             **options,
         )
-        threading.Thread(target=self._move, daemon=True).start()
+        thread = threading.Thread(target=_move, args=(weakref.ref(self), self._robot), daemon=True)
+        # No thread outlives its host.
+        weakref.finalize(self, self._robot.put, None)
+        thread.start()
 
     def _command(self, command: MotionCommand) -> None:
         self.commands.append(command)
@@ -70,10 +74,6 @@ class LuaHost:
     def _print(self, text: str, _line: int) -> None:
         self.printed.append(text)
         self.spoken.release()
-
-    def _move(self) -> None:
-        while True:
-            self.program.finish_motion(self.errors.get(self._robot.get()))
 
     def write(self, text: str | bytes, name: str = 'test.lua') -> Path:
         path = self._folder / name
@@ -108,6 +108,12 @@ class LuaHost:
 
     def wait_for_command(self) -> None:
         assert self.commanded.acquire(timeout=DEADLINE)
+
+
+def _move(host: weakref.ref[LuaHost], robot: queue.SimpleQueue[int | None]) -> None:
+    while (number := robot.get()) is not None and (mine := host()) is not None:
+        mine.program.finish_motion(mine.errors.get(number))
+        del mine
 
 
 def wait_until(condition: object) -> None:

@@ -117,7 +117,8 @@ def test_what_goes_wrong_with_some_inputs_is_told_with_them(tmp_path: Path):
     assert 'choice on' in line
 
 
-def test_in_processes_as_in_this_one(tmp_path: Path):
+def test_in_processes_as_in_this_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr('robots_controller.program_check.walk.START_OF_PROCESSES', 0.0)
     program = 'if getDigitalInput(1) and not getDigitalInput(2) then waitDigitalInput(2, true) end\n'
     assert walk(tmp_path, program, SCRIPT, workers=2) == walk(tmp_path, program, SCRIPT)
 

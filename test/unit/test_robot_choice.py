@@ -132,3 +132,10 @@ def test_value_that_an_option_cannot_have_is_refused(gravity: str):
 def test_unknown_name_is_refused_with_the_known_ones(name: str):
     with pytest.raises(UnknownRobotError, match=r'bello_bot, .*kuka_kr210_r2700.*urdf:'):
         load_robot_model(name)
+
+
+@pytest.mark.parametrize('shapes', ['visualization', 'collision_model'])
+def test_the_meshes_of_a_robot_are_read_once(shapes: str):
+    earth, space = load_robot_model('ur5e'), load_robot_model('ur5e?gravity=0,0,0')
+    assert getattr(space, shapes) is getattr(earth, shapes)
+    assert getattr(load_robot_model('ur10e'), shapes) is not getattr(earth, shapes)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Final
 
 from robots_controller.defaults import LONGEST_WALK, MOST_COMBINATIONS
 from robots_controller.io.plc_script import PlcScript, read_plc_script
@@ -20,6 +21,8 @@ from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError
 from robots_core.validation import positive
+
+START_OF_PROCESSES: Final = 2.0  # s, what they take to load
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ def walk_program(
         most: Highest number of combinations to walk, the script's own start first.
         longest: A walk ends after this simulated time, s.
         patience: All walks end after this time of the machine, s; names the line where each was.
-        workers: Processes to walk in; 1 is this one.
+        workers: Processes to walk in where they save time; 1 is this one.
 
     Raises:
         RobotsError: an unknown robot, a file that is not valid, or a program that is not Lua.
@@ -93,13 +96,14 @@ def walk_program(
         until=until,
     )
     # What is wrong with the input itself is raised here, before processes start.
-    first = walk(combinations[0])
-    if workers > 1 and len(combinations) > 1:
+    begin = time.monotonic()
+    walks, left = [walk(combinations[0])], combinations[1:]
+    expected = len(left) * (time.monotonic() - begin)
+    if workers > 1 and left and expected >= START_OF_PROCESSES:
         with worker_pool(workers) as pool:
-            others = list(pool.map(walk, combinations[1:]))
+            walks += pool.map(walk, left)
     else:
-        others = [walk(combination) for combination in combinations[1:]]
-    walks = [first, *others]
+        walks += map(walk, left)
     problems = tuple(_together(combinations, [problems for problems, _ in walks]))
     ways = dict.fromkeys(way for _, ways in walks for way in ways)
     return WalkResult(

@@ -106,18 +106,15 @@ def always_in_contact(
         samples: Number of random joint positions.
     """
     low, high = robot.axes_data.one_turn
-    every = np.arange(solids.first.size)
-    gap = np.full(every.size, ALWAYS_GAP)
     random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
-    touching = np.empty((samples + 1, every.size), dtype=bool)
-    for row, q in enumerate((0.5 * (low + high), *random)):
+    always = set(names)
+    for q in (0.5 * (low + high), *random):
+        mine = np.array([pair for pair, name in enumerate(names) if name in always], dtype=np.int64)
+        if mine.size == 0:
+            break
         solids.place(q)
-        touching[row] = solids.distances(every, gap) <= ALWAYS_GAP
-    always = set()
-    for pair in set(names):
-        mine = np.array([name == pair for name in names])
-        if touching[:, mine].any(axis=1).all():
-            always.add(pair)
+        touching = solids.distances(mine, np.full(mine.size, ALWAYS_GAP)) <= ALWAYS_GAP
+        always = {names[pair] for pair in mine[touching].tolist()}
     return always
 
 

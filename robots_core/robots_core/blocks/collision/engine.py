@@ -25,7 +25,8 @@ class CollisionEngine(ABC):
     library: ClassVar[Any]
 
     def __init__(self, solids: Sequence[Solid]) -> None:
-        self._objects = [self.library.CollisionObject(self.geometry(solid)) for solid in solids]
+        self._solids = solids
+        self._objects: list[Any] = [None] * len(solids)
         self._request = self.library.CollisionRequest()
         self._placed = [-1] * len(solids)
         self._placement = 0
@@ -43,8 +44,10 @@ class CollisionEngine(ABC):
         return bool(self.library.collide(self._object(first), self._object(second), self._request, result))
 
     def _object(self, index: int) -> Any:
+        # Solids are built and moved on demand: most pairs are excluded by the broad phase.
         found = self._objects[index]
-        # Solids are moved on demand: most pairs are excluded by the broad phase.
+        if found is None:
+            found = self._objects[index] = self.library.CollisionObject(self.geometry(self._solids[index]))
         if self._placed[index] != self._placement:
             self._placed[index] = self._placement
             found.setRotation(self._R[index])

@@ -12,17 +12,20 @@ from robots_core.blocks.collision.solids import FLAT, HULL_EXCESS, Solid, solids
 from robots_core.content_cache import Arrays, content_of, kept
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Mesh
+from robots_core.robot_model.shapes import Mesh, Shape
 from robots_core.validation import Array
 
-KEPT: Final = 4  # robots
+KEPT: Final = 20  # robots
 KEPT_FROM: Final = 500  # corners of all meshes; for fewer nothing takes long
 
 
-@lru_cache(maxsize=KEPT)
 def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
     """The robot's collision shapes as solids; the pieces of large meshes are kept by content."""
-    shapes = robot.collision_model.shapes
+    return _solids_of(robot.collision_model.shapes)
+
+
+@lru_cache(maxsize=KEPT)
+def _solids_of(shapes: tuple[Shape, ...]) -> tuple[Solid, ...]:
     meshes = [shape.geometry for shape in shapes if isinstance(shape.geometry, Mesh)]
     arrays = _kept_arrays_of(meshes) if is_large(meshes) else _arrays_of(meshes)
     found: list[Solid] = []
