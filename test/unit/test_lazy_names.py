@@ -40,6 +40,7 @@ def test_a_name_that_no_module_has_is_refused():
     ('module', 'unneeded'),
     [
         ('robots_core', (*MESHES, *SCIPY, *COMPILER, 'numpy', 'pinocchio')),
+        ('robots_core.kernels.compiled', (*MESHES, *SCIPY, 'coverage')),
         ('robots_core.nodes.drive_node', (*MESHES, *SCIPY, *COMPILER)),
         ('robots_core.nodes.direct_kinematics_node', (*MESHES, *SCIPY, *COMPILER)),
         ('robots_core.nodes.inverse_kinematics_node', (*MESHES, *SCIPY)),
@@ -66,6 +67,16 @@ def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy
     )
     loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []
+
+
+def test_garbage_is_collected_after_numba_is_loaded_as_before():
+    program = (
+        'import gc; {}; before = gc.isenabled(); import robots_core.kernels.compiled;'
+        'print(before == gc.isenabled())'
+    )
+    for choice in ('gc.enable()', 'gc.disable()'):
+        command = [sys.executable, '-P', '-c', program.format(choice)]
+        assert run(command, capture_output=True, text=True, check=True).stdout.split() == ['True']
 
 
 def test_scipy_and_numba_have_their_linear_algebra_all_the_same():

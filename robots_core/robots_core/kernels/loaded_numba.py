@@ -1,0 +1,49 @@
+"""Numba, loaded in less time than its import and its first compiled function take."""
+
+import gc
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any, Final
+
+from robots_core.kernels.blas_modules import load_blas_modules
+
+
+@contextmanager
+def _garbage_kept() -> Iterator[None]:
+    """Collect no garbage: Numba creates many objects at its start, and keeps them."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+@contextmanager
+def _without(module: str) -> Iterator[None]:
+    """Imports of a module fail, unless it is imported already."""
+    if module in sys.modules:
+        yield
+        return
+    sys.modules[module] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules[module]
+
+
+def _load_numba() -> Any:
+    # Numba imports coverage wherever it is installed, as a dependency of colcon is; it is used by
+    # processes that have imported it before.
+    with _garbage_kept(), _without('coverage'):
+        numba = import_module('numba')
+        load_blas_modules()
+        # Everything that the first compiled function would load.
+        import_module('numba.core.registry').cpu_target.target_context.refresh()
+    return numba
+
+
+nb: Final = _load_numba()
