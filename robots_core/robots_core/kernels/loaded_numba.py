@@ -13,12 +13,15 @@ from robots_core.kernels.blas_modules import load_blas_modules
 @contextmanager
 def _garbage_kept() -> Iterator[None]:
     """Collect no garbage: Numba creates many objects at its start, and keeps them."""
-    enabled = gc.isenabled()
+    enabled, frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.disable()
     try:
         yield
     finally:
         if enabled:
+            gc.freeze()  # what is old now is not looked through as if it were new
+            if not frozen:
+                gc.unfreeze()
             gc.enable()
 
 
