@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
@@ -203,8 +204,9 @@ class DriveNode(RobotNode):
 
     def _report(self, q: Array, q_dot: Array) -> None:
         q, q_dot, reporting = self._injection.feedback(q, q_dot)
-        torque, names = self._drives.torque, self.robot.axes_data.names
-        values = (q, q_dot) if torque is None else (q, q_dot, torque)
+        torque = self._drives.torque
+        names: Sequence[str] = self.robot.axes_data.names
+        values = [q, q_dot] if torque is None else [q, q_dot, torque]
         if len(reporting) != q.size:
             names, values = [names[i] for i in reporting], [one[reporting] for one in values]
         self._states.publish(names, values)
