@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from importlib import import_module
 from pkgutil import walk_packages
 from subprocess import run
@@ -19,6 +20,9 @@ PACKAGES = (robots_core, robots_core.blocks, robots_planning)
 MESHES = ('trimesh', 'yourdfpy', 'networkx')
 SCIPY = ('scipy.spatial', 'scipy.linalg', 'scipy.interpolate')
 COMPILER = ('numba',)
+VIEW = ('viser',)
+LUA = ('lupa',)
+HEAVY = {*MESHES, *SCIPY, *COMPILER, *VIEW, *LUA}
 
 
 @pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.__name__)
@@ -39,21 +43,25 @@ def test_a_name_that_no_module_has_is_refused():
 @pytest.mark.parametrize(
     ('module', 'unneeded'),
     [
-        ('robots_core', (*MESHES, *SCIPY, *COMPILER, 'numpy', 'pinocchio')),
-        ('robots_core.kernels.compiled', (*MESHES, *SCIPY, 'coverage')),
-        ('robots_core.nodes.drive_node', (*MESHES, *SCIPY, *COMPILER)),
-        ('robots_core.nodes.direct_kinematics_node', (*MESHES, *SCIPY, *COMPILER)),
-        ('robots_core.nodes.inverse_kinematics_node', (*MESHES, *SCIPY)),
-        ('robots_core.nodes.dynamics_node', (*MESHES, *SCIPY)),
-        ('robots_controller.nodes.controller_node', (*MESHES, *SCIPY)),
-        ('robots_controller.nodes.lua_program_node', (*MESHES, *SCIPY)),
-        ('robots_controller.nodes.io_bridge_node', (*MESHES, *SCIPY, *COMPILER)),
-        ('robots_controller.nodes.plc_node', (*MESHES, *SCIPY, *COMPILER)),
-        ('robots_controller.live_cell.cell_command', (*MESHES, *SCIPY)),
+        ('robots_core', (*HEAVY, 'numpy', 'pinocchio')),
+        ('robots_core.kernels.compiled', ('coverage', *(HEAVY - {*COMPILER}))),
+        ('robots_core.nodes.drive_node', HEAVY),
+        ('robots_core.nodes.direct_kinematics_node', HEAVY),
+        ('robots_core.nodes.robot_state_node', HEAVY),
+        ('robots_core.nodes.inverse_kinematics_node', HEAVY - {*COMPILER}),
+        ('robots_core.nodes.dynamics_node', HEAVY - {*COMPILER}),
+        ('robots_core.nodes.collision_node', (*VIEW, *LUA)),
+        ('robots_core.nodes.visualizer_node', (*LUA, *COMPILER)),
+        ('robots_planning.nodes.planning_node', (*VIEW, *LUA)),
+        ('robots_controller.nodes.controller_node', HEAVY - {*COMPILER}),
+        ('robots_controller.nodes.lua_program_node', HEAVY - {*COMPILER, *LUA}),
+        ('robots_controller.nodes.io_bridge_node', HEAVY),
+        ('robots_controller.nodes.plc_node', HEAVY),
+        ('robots_controller.live_cell.cell_command', (*MESHES, *SCIPY, *VIEW)),
     ],
 )
-def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: tuple[str, ...]):
-    program = f'import sys, {module}; print(*sorted(set({unneeded!r}) & set(sys.modules)))'
+def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: Iterable[str]):
+    program = f'import sys, {module}; print(*sorted({set(unneeded)!r} & set(sys.modules)))'
     loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []
 
@@ -63,6 +71,19 @@ def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy
         'import sys; from robots_core import load_robot_model; robot = load_robot_model("kuka_kr210_r2700");'
         'robot.direct_kinematics(robot.home); robot.jacobian(robot.home);'
         'robot.rigid_dynamics(robot.home, robot.home, robot.home);'
+        f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
+    )
+    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
+def test_a_line_of_the_tool_is_planned_without_scipy():
+    program = (
+        'import sys; from robots_core import Pose, load_robot_model;'
+        'from robots_planning import LinearCartesianLimited;'
+        'robot = load_robot_model("kuka_kr210_r2700"); start = robot.home + 0.1;'
+        'r, T = robot.direct_kinematics(start);'
+        'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T));'
         f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
     loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
