@@ -132,26 +132,23 @@ def measured_cell(
 ) -> tuple[float, Use, dict[str, dict[str, list[dict[str, Any]]]]]:
     """Time until the cell is ready (s), what it takes at rest, and its graph."""
     start = time.monotonic()
-    cell = subprocess.Popen([CELL, '--headless', *options], stdout=subprocess.PIPE, text=True)
-    try:
-        assert cell.stdout is not None
-        os.set_blocking(cell.stdout.fileno(), False)
-        output = ''
-        while READY not in output:
-            output += cell.stdout.read() or ''
-            if cell.poll() is not None or time.monotonic() - start > START_TIMEOUT:
-                raise SystemExit(f'the cell is not ready:\n{output}')
-            time.sleep(0.02)
-        ready = time.monotonic() - start
-        time.sleep(SETTLING)
-        pids = node_pids(cell.pid)
-        use = used({'cell': cell.pid, **pids}, seconds)
-        rclpy.init()
-        description = graph(set(pids) | {'cell_monitor'})
-        rclpy.shutdown()
-    finally:
-        cell.send_signal(signal.SIGINT)
-        cell.wait()
+    with tempfile.NamedTemporaryFile('w') as printed:
+        cell = subprocess.Popen([CELL, '--headless', *options], stdout=printed)
+        try:
+            while READY not in Path(printed.name).read_text():
+                if cell.poll() is not None or time.monotonic() - start > START_TIMEOUT:
+                    raise SystemExit(f'the cell is not ready:\n{Path(printed.name).read_text()}')
+                time.sleep(0.02)
+            ready = time.monotonic() - start
+            time.sleep(SETTLING)
+            pids = node_pids(cell.pid)
+            use = used({'cell': cell.pid, **pids}, seconds)
+            rclpy.init()
+            description = graph(set(pids) | {'cell_monitor'})
+            rclpy.shutdown()
+        finally:
+            cell.send_signal(signal.SIGINT)
+            cell.wait()
     description['cell'] = description.pop('cell_monitor')
     return ready, use, description
 
