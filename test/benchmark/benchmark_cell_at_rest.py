@@ -127,6 +127,20 @@ def used(pids: Mapping[str, int], seconds: float) -> Use:
     )
 
 
+def helpers(cell: int, nodes: Mapping[str, int]) -> dict[str, int]:
+    """Processes that a cell has started besides its nodes: the server that forks them, and its tracker."""
+    found = {}
+    for stat in Path('/proc').glob('[0-9]*/stat'):
+        try:
+            parent = int(stat.read_text().rsplit(')', 1)[1].split()[1])
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        pid = int(stat.parent.name)
+        if parent == cell and pid not in nodes.values():
+            found[f'helper {len(found) + 1}'] = pid
+    return found
+
+
 def measured_cell(
     options: list[str], seconds: float
 ) -> tuple[float, Use, dict[str, dict[str, list[dict[str, Any]]]]]:
@@ -142,7 +156,7 @@ def measured_cell(
             ready = time.monotonic() - start
             time.sleep(SETTLING)
             pids = node_pids(cell.pid)
-            use = used({'cell': cell.pid, **pids}, seconds)
+            use = used({'cell': cell.pid, **pids, **helpers(cell.pid, pids)}, seconds)
             rclpy.init()
             description = graph(set(pids) | {'cell_monitor'})
             rclpy.shutdown()
@@ -182,7 +196,7 @@ def main() -> None:
     if options.markdown:
         print(line.format(*['---'] * 4))
     for name in sorted(ours.cpu, key=lambda one: -ours.cpu[one]):
-        cells = f'{ours.cpu[name]:.1f} %', f'{bare.cpu[name]:.1f} %', f'{ours.memory[name]:.0f} MB'
+        cells = f'{ours.cpu[name]:.1f} %', f'{bare.cpu.get(name, 0.0):.1f} %', f'{ours.memory[name]:.0f} MB'
         print(line.format(name, *cells))
     total = f'{sum(ours.cpu.values()):.1f} %', f'{sum(bare.cpu.values()):.1f} %'
     print(line.format('all', *total, f'{sum(ours.memory.values()):.0f} MB'))
