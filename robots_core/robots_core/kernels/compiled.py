@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from numpy.typing import NDArray
 
 from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
-from robots_core.kernels.loaded_numba import nb
+from robots_core.kernels.loaded_numba import garbage_kept, nb
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
@@ -29,7 +29,8 @@ def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Funct
         chosen = [list(signatures)] if signatures else []
         keep_by_content(function, nogil=nogil)
         try:
-            result: Function = nb.njit(*chosen, cache=True, nogil=nogil)(function)
+            with garbage_kept():
+                result: Function = nb.njit(*chosen, cache=True, nogil=nogil)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise

@@ -1,4 +1,4 @@
-"""Numba, loaded in less time than its import and its first compiled function take."""
+"""Numba, loaded in less time than its import takes."""
 
 import gc
 import sys
@@ -11,8 +11,8 @@ from robots_core.kernels.blas_modules import load_blas_modules
 
 
 @contextmanager
-def _garbage_kept() -> Iterator[None]:
-    """Collect no garbage: Numba creates many objects at its start, and keeps them."""
+def garbage_kept() -> Iterator[None]:
+    """Collect no garbage: Numba keeps what it creates at its import and with its first function."""
     enabled, frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.disable()
     try:
@@ -41,11 +41,9 @@ def _without(module: str) -> Iterator[None]:
 def _load_numba() -> Any:
     # Numba imports coverage wherever it is installed, as a dependency of colcon is; it is used by
     # processes that have imported it before.
-    with _garbage_kept(), _without('coverage'):
+    with garbage_kept(), _without('coverage'):
         numba = import_module('numba')
         load_blas_modules()
-        # Everything that the first compiled function would load.
-        import_module('numba.core.registry').cpu_target.target_context.refresh()
     return numba
 
 
