@@ -179,6 +179,14 @@ fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py
 
+.PHONY: benchmark-first-results
+benchmark-first-results: build  ## Time until the first result of every block in a process of its own
+	@$(RUN) python test/benchmark/benchmark_first_results.py $(OPTIONS)
+
+.PHONY: benchmark-cell-at-rest
+benchmark-cell-at-rest: build  ## What a cell takes of a core while its robot stands, side by side with bare rclpy nodes
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_cell_at_rest.py $(OPTIONS)
+
 .PHONY: benchmark-plant
 benchmark-plant: build .venv/.installed_tests  ## Values of a plant through a program's handler and back, side by side with bare clients; COUNT=200
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_plant.py --count $(or $(COUNT),200) $(OPTIONS)

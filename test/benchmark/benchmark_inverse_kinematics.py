@@ -3,8 +3,8 @@
 Run by `make benchmark-inverse-kinematics`; OPTIONS=--markdown prints the table of
 docs/explanation/benchmarks.md. Every solution is checked with the robot's own kinematics (Pinocchio), not
 with that of the solver. Times are medians over repetitions of the mean over all problems: processor time, in
-which other work on the machine does not count; by the clock for `solve_many`, which has all cores, and for
-the first results of a process. Poses are others in every run unless `--seed` repeats one.
+which other work on the machine does not count; by the clock for `solve_many`, which has all cores. Poses are
+others in every run unless `--seed` repeats one.
 """
 
 from __future__ import annotations
@@ -13,8 +13,6 @@ import argparse
 import datetime as dt
 import os
 import secrets
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -183,38 +181,6 @@ def constrained_row(robot: BaseRobotModel, repetitions: int, count: int, seed: i
     )
 
 
-FIRST_RESULT = """
-import time; start = time.perf_counter()
-import numpy as np
-from robots_core import Pose, load_robot_model
-from robots_core.blocks import {block}
-robot = load_robot_model('kuka_kr210_r2700')
-pose = Pose(*robot.direct_kinematics(robot.home + 0.1))
-{call}
-print(time.perf_counter() - start)
-"""
-CALLS = {
-    'AnalyticalInverseKinematic': 'AnalyticalInverseKinematic(robot).solve(pose, robot.home)',
-    'DampedLeastSquares': 'DampedLeastSquares(robot).solve(pose, robot.home)',
-    'ConstrainedInverseKinematics': (
-        'ConstrainedInverseKinematics(robot, 0.004).step(pose, robot.home, np.zeros(robot.num_axes))'
-    ),
-}
-
-
-def first_result_rows(repetitions: int) -> list[Row]:
-    """Imports and loading of the robot included, compiled code from its cache."""
-    rows = []
-    for block, call in CALLS.items():
-        code = FIRST_RESULT.format(block=block, call=call)
-        command = [sys.executable, '-P', '-c', code]
-        times = [
-            float(subprocess.run(command, check=True, capture_output=True).stdout) for _ in range(repetitions)
-        ]
-        rows.append(Row(f'first result of `{block}`', 'kuka_kr210_r2700', 1e6 * float(np.median(times))))
-    return rows
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--poses', type=int, default=2000)
@@ -237,7 +203,6 @@ def main() -> None:
     rows += [constrained_row(robot, repetitions, STEPS, seed) for robot in robots.values()]
     rng = np.random.default_rng(seed)
     rows += quadratic_program_rows(robots['franka_fr3'], DT, repetitions, STEPS, rng)
-    rows += first_result_rows(repetitions)
     today = f'{dt.datetime.now(tz=dt.UTC):%-d %B %Y}'
     title = (
         f'`make benchmark-inverse-kinematics` on {today}: {options.poses} random reachable poses from random '

@@ -85,6 +85,20 @@ def test_tool_is_a_parameter_that_can_change(ros_nodes: Any):
     _assert_same(bench.pose_of(bench.send(bench.robot.home)), expected.forward(bench.robot.home))
 
 
+def test_of_a_robot_that_stands_every_pose_has_the_stamp_of_its_joint_states(ros_nodes: Any):
+    bench = KinematicsBench(ros_nodes)
+    for q in (bench.robot.home, bench.robot.home, bench.robot.home + 0.1):
+        _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
+
+
+def test_a_tool_that_changes_while_the_robot_stands_is_used(ros_nodes: Any):
+    bench = KinematicsBench(ros_nodes)
+    bench.pose_of(bench.send(bench.robot.home))
+    bench.set_parameters(bench.node, tool=TOOL)
+    expected = DirectKinematics(bench.robot, tool=Pose.from_quaternion(TOOL[:3], TOOL[3:]))
+    _assert_same(bench.pose_of(bench.send(bench.robot.home)), expected.forward(bench.robot.home))
+
+
 @pytest.mark.parametrize('bad', [[0.0, 0.0, 0.0], [0.0] * 7, [float('nan'), *TOOL[1:]]])
 def test_tool_that_is_none_is_refused_and_the_old_one_stays(ros_nodes: Any, bad: list[float]):
     bench = KinematicsBench(ros_nodes, tool=TOOL)

@@ -20,6 +20,9 @@ PACKAGES = (robots_core, robots_core.blocks, robots_planning)
 MESHES = ('trimesh', 'yourdfpy', 'networkx')
 SCIPY = ('scipy.spatial', 'scipy.linalg', 'scipy.interpolate')
 COMPILER = ('numba',)
+VIEW = ('viser',)
+LUA = ('lupa',)
+HEAVY = (*MESHES, *SCIPY, *COMPILER, *VIEW, *LUA)
 
 
 @pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.__name__)
@@ -39,20 +42,26 @@ def test_a_name_that_no_module_has_is_refused():
 
 # By what they do not need. Those of one line are imported by one process, one after the other.
 LEAN: dict[tuple[str, ...], tuple[str, ...]] = {
-    (*MESHES, *SCIPY, *COMPILER, 'numpy', 'pinocchio'): ('robots_core',),
-    (*MESHES, *SCIPY, *COMPILER): (
+    (*HEAVY, 'numpy', 'pinocchio'): ('robots_core',),
+    HEAVY: (
         'robots_core.nodes.drive_node',
         'robots_core.nodes.direct_kinematics_node',
+        'robots_core.nodes.robot_state_node',
         'robots_controller.nodes.io_bridge_node',
         'robots_controller.nodes.plc_node',
     ),
-    (*MESHES, *SCIPY): (
+    (*MESHES, *SCIPY, *VIEW, *LUA, 'coverage'): (
+        'robots_core.kernels.compiled',
         'robots_core.nodes.inverse_kinematics_node',
         'robots_core.nodes.dynamics_node',
         'robots_controller.nodes.controller_node',
+    ),
+    (*MESHES, *SCIPY, *VIEW): (
         'robots_controller.nodes.lua_program_node',
         'robots_controller.live_cell.cell_command',
     ),
+    (*VIEW, *LUA): ('robots_core.nodes.collision_node', 'robots_planning.nodes.planning_node'),
+    (*LUA, *COMPILER): ('robots_core.nodes.visualizer_node',),
 }
 
 
@@ -85,6 +94,29 @@ def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy
     )
     loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []
+
+
+def test_a_line_of_the_tool_is_planned_without_scipy():
+    program = (
+        'import sys; from robots_core import Pose, load_robot_model;'
+        'from robots_planning import LinearCartesianLimited;'
+        'robot = load_robot_model("kuka_kr210_r2700"); start = robot.home + 0.1;'
+        'r, T = robot.direct_kinematics(start);'
+        'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T));'
+        f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
+    )
+    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
+def test_garbage_is_collected_after_numba_is_loaded_as_before():
+    program = (
+        'import gc; {}; before = gc.isenabled(); import robots_core.kernels.compiled;'
+        'print(before == gc.isenabled())'
+    )
+    for choice in ('gc.enable()', 'gc.disable()'):
+        command = [sys.executable, '-P', '-c', program.format(choice)]
+        assert run(command, capture_output=True, text=True, check=True).stdout.split() == ['True']
 
 
 def test_scipy_and_numba_have_their_linear_algebra_all_the_same():

@@ -389,8 +389,8 @@ class ProgramHost:
 
     def line_reached(self, line: int) -> None:
         """See `CellPort`."""
-        self._observer.line_reached(line)
         self.reporter.line_changed()
+        self._observer.line_reached(line)
 
     def held_changed(self) -> None:
         """See `CellPort`."""

@@ -144,6 +144,7 @@ class LuaProgramNode(RobotNode):
         self._watchdog = watchdog_parameter(self)
         HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
+        self._status_due = self.create_guard_condition(self._status_timer.reset)
         self._io = IoServices(self, self._program.io, self._on_inputs, channel_services=channel_services)
         host, teaching = self.host, PointTeaching(self.robot, self._program)
         handlers: dict[str, Callable[[], str]] = {
@@ -313,13 +314,20 @@ class LuaProgramNode(RobotNode):
 
     def line_reached(self, _line: int) -> None:
         """See `ProgramObserver`; the status names it."""
-        if self.participant is not None and self._status_timer.is_canceled():
+        if not self._status_timer.is_canceled():
+            return
+        if self.participant is not None:
             self._status_timer.reset()
+        elif self.host.reporter.due:  # an executor that waits sees no timer that begins meanwhile
+            self._status_due.trigger()
 
     def _report_in_time(self) -> None:
-        self.host.reporter.report_in_time()
-        if self.participant is not None and not self.host.reporter.due:
-            self._status_timer.cancel()  # until the next line: each of its turns takes time from all nodes
+        reporter = self.host.reporter
+        reporter.report_in_time()
+        if not reporter.due:
+            self._status_timer.cancel()  # until the next line that is not reported at once
+            if reporter.due:  # it came just now
+                self._status_timer.reset()
 
     def held_changed(self) -> None:
         """See `ProgramObserver`."""

@@ -3,16 +3,14 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import numba
 from numpy.typing import NDArray
 
-from robots_core.kernels.blas_modules import load_blas_modules
 from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
+from robots_core.kernels.loaded_numba import garbage_kept, nb
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
-numba.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
-load_blas_modules()
+nb.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
 
 
 def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Function]:
@@ -31,11 +29,12 @@ def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Funct
         chosen = [list(signatures)] if signatures else []
         keep_by_content(function, nogil=nogil)
         try:
-            result: Function = numba.njit(*chosen, cache=True, nogil=nogil)(function)
+            with garbage_kept():
+                result: Function = nb.njit(*chosen, cache=True, nogil=nogil)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
-            result = numba.njit(*chosen, nogil=nogil)(function)
+            result = nb.njit(*chosen, nogil=nogil)(function)
         return result
 
     return decorate

@@ -11,9 +11,11 @@ from collections.abc import Callable, Iterator
 from typing import Any, Self
 
 import numpy as np
-from numba.core import caching
-from numba.core.dispatcher import Dispatcher
 
+from robots_core.kernels.loaded_numba import nb
+
+caching = nb.core.caching
+Dispatcher = nb.core.dispatcher.Dispatcher
 LIBRARIES = {'builtins', 'math', 'numpy', 'numba'}  # whose functions change with Numba's own version alone
 
 _CONTENTS: dict[Callable[..., Any], 'KernelContent'] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
@@ -9,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
 
@@ -22,10 +22,10 @@ from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
+from robots_core.ros.joint_state_stream import JointStateStream
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import doubles, wrench_from_message
+from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import make_publisher
 from robots_core.ros.reference_reader import ReferenceReader
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -123,8 +123,7 @@ class DriveNode(RobotNode):
         self._reader = ReferenceReader(axes.names, 'joint_reference')
         self._rows: Array | None = None  # of the last valid reference
         self._reference = q, np.zeros_like(q)
-        self._message = JointState(name=list(axes.names))
-        self._publisher = make_publisher(self, JointState, 'joint_states')
+        self._states = JointStateStream(self, 'joint_states')
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
             self._report(q, np.zeros_like(q))
         self._loop = self.start_loop(
@@ -206,17 +205,11 @@ class DriveNode(RobotNode):
     def _report(self, q: Array, q_dot: Array) -> None:
         q, q_dot, reporting = self._injection.feedback(q, q_dot)
         torque = self._drives.torque
-        state = self._message
-        if len(reporting) != len(state.name):
-            state.name = [self.robot.axes_data.names[i] for i in reporting]
+        names: Sequence[str] = self.robot.axes_data.names
+        values = [q, q_dot] if torque is None else [q, q_dot, torque]
         if len(reporting) != q.size:
-            q, q_dot = q[reporting], q_dot[reporting]
-            torque = None if torque is None else torque[reporting]
-        state.header.stamp = self.get_clock().now().to_msg()
-        state.position, state.velocity = doubles(q), doubles(q_dot)
-        if torque is not None:
-            state.effort = doubles(torque)
-        self._publisher.publish(state)
+            names, values = [names[i] for i in reporting], [one[reporting] for one in values]
+        self._states.publish(names, values)
 
     def _read(self, raw: bytes) -> tuple[Array, Array, float]:
         """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""

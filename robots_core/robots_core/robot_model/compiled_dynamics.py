@@ -1,8 +1,7 @@
 """The sum of a rigid robot's torques, compiled: faster than numpy for a few values."""
 
-import numba as nb
-
 from robots_core.kernels.compiled import compiled
+from robots_core.kernels.loaded_numba import nb
 from robots_core.validation import Array
 
 _Numbers = nb.types.Array(nb.float64, 1, 'A', readonly=True)

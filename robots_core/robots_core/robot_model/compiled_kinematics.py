@@ -1,8 +1,7 @@
 """Direct kinematics of a serial chain, compiled: faster than calling Pinocchio."""
 
-import numba as nb
-
 from robots_core.kernels.compiled import compiled
+from robots_core.kernels.loaded_numba import nb
 from robots_core.kernels.serial_chain import ChainArrays, next_frame
 from robots_core.validation import Array
 

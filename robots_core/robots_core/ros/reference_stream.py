@@ -3,15 +3,14 @@
 import time
 from collections.abc import Sequence
 
-import numpy as np
 from rclpy.node import Node
-from rclpy.serialization import serialize_message
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.lockstep.counted import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
-from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, doubles
+from robots_core.ros.messages import doubles
 from robots_core.ros.qos import make_publisher
+from robots_core.ros.serialized_rows import SerializedRows
 from robots_core.validation import Array
 
 EMPTY_SEQUENCE_SIZE = 4
@@ -21,8 +20,7 @@ DURATION_SIZE = 8
 class ReferenceStream:
     """Publisher of `trajectory_msgs/JointTrajectory` with one point and always the same joints.
 
-    Only the stamp and 3 n numbers change from message to message. They are written into a serialized
-    template, which takes a fraction of what building and converting a message object takes.
+    Only the stamp and 3 n numbers change from message to message; they are written into `SerializedRows`.
 
     Args:
         node: Owner; stamps are on its clock.
@@ -46,21 +44,15 @@ class ReferenceStream:
             self._publish = self._publisher.handle.publish_raw  # without its checks of the argument
         self._simulated = bool(getattr(node.get_clock(), 'ros_time_is_active', False))
         n = len(names)
-        # Marks that cannot occur by chance show where serialization puts each of the three arrays.
-        marks = 1e300 * (1.0 + np.arange(3.0 * n).reshape(3, n))
-        point = JointTrajectoryPoint(
-            positions=doubles(marks[0]), velocities=doubles(marks[1]), accelerations=doubles(marks[2])
-        )
-        point.time_from_start.sec = int(time_from_start)
-        point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
-        template = bytearray(serialize_message(JointTrajectory(joint_names=list(names), points=[point])))
-        offsets = [template.index(row.tobytes()) for row in marks]
-        # The serializer leaves padding behind the message's end: an empty sequence and a duration.
-        del template[offsets[-1] + 8 * n + EMPTY_SEQUENCE_SIZE + DURATION_SIZE :]
-        self._buffer = template
-        # The three arrays are equally long, and so equally far from each other.
-        stride = offsets[1] - offsets[0]
-        self._values: Array = np.ndarray((3, n), np.float64, template, offsets[0], (stride, 8))
+
+        def message(rows: Array) -> JointTrajectory:
+            position, velocity, acceleration = map(doubles, rows)
+            point = JointTrajectoryPoint(positions=position, velocities=velocity, accelerations=acceleration)
+            point.time_from_start.sec = int(time_from_start)
+            point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
+            return JointTrajectory(joint_names=list(names), points=[point])
+
+        self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
 
     def publish(self, reference: Array, deadline: float) -> None:
@@ -75,7 +67,6 @@ class ReferenceStream:
             nanoseconds = round(NANOSECONDS * deadline)
         else:
             nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
-        SERIALIZED_STAMP.pack_into(self._buffer, ENCAPSULATION_SIZE, *divmod(nanoseconds, NANOSECONDS))
         if reference is not self._last:  # one that stands is the same from period to period
-            self._values[:] = self._last = reference
-        self._publish(bytes(self._buffer))
+            self._serialized.rows[:] = self._last = reference
+        self._publish(self._serialized.stamped(nanoseconds))

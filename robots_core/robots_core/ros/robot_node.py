@@ -236,9 +236,10 @@ class RobotNode(TimedNode):
         *,
         rate: float,
         clock: Clock | None = None,
+        raw: bool = False,
     ) -> None:
-        """Look for the newest message of a stream at a rate (Hz); a RobotsError refuses it."""
-        subscription = PolledSubscription(self, msg_type, topic)
+        """Look for the newest message of a stream at a rate (Hz), raw as bytes; a RobotsError refuses it."""
+        subscription = PolledSubscription(self, msg_type, topic, raw=raw)
 
         def look() -> None:
             message = subscription.take()

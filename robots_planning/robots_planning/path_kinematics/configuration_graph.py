@@ -1,7 +1,8 @@
 """ConfigurationGraph: the configurations that a robot takes along a path of the tool."""
 
+from importlib import import_module
+
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
@@ -92,10 +93,11 @@ class ConfigurationGraph:
         reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
         if reached <= count or fastest_sequence(layers, counts, self._axes.velocity, chosen) <= count:
             return None
+        interpolate = import_module('scipy.interpolate')  # imported on demand: few paths come here
         for rounds in RELAXATIONS:
             smooth = chosen.copy()
             relax(self._chain, self._limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
-            spline = CubicSpline(s, smooth, axis=0, bc_type='natural')
+            spline = interpolate.CubicSpline(s, smooth, axis=0, bc_type='natural')
             followed = self._kinematics.follow_guided(path, start, s, np.ascontiguousarray(spline.c), PULL)
             if followed is not None:
                 return followed

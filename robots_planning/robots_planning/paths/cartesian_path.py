@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property
+from math import comb
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import comb
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -20,7 +20,7 @@ COINCIDENT_DISTANCE = 1e-8  # m
 COINCIDENT_ANGLE = 1e-8  # rad
 SAMPLES_PER_PIECE = 64  # for the length of curves without a closed form
 _ROWS, _COLUMNS = np.indices((6, 6))
-_BINOMIALS = comb(_COLUMNS, _ROWS)
+_BINOMIALS = np.vectorize(comb, otypes=[np.float64])(_COLUMNS, _ROWS)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BPoly
 
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, read_only
@@ -38,7 +37,8 @@ class JointPath:
     position: Array
     velocity: Array
     acceleration: Array
-    _curve: BPoly = field(init=False, repr=False)
+    _breaks: Array = field(init=False, repr=False)  # of the short pieces
+    _points: Array = field(init=False, repr=False)  # their control points
     _travel: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -63,7 +63,7 @@ class JointPath:
         self._make_curve()
 
     def _make_curve(self) -> None:
-        curve = BPoly(_control_points(self.time, self.position, self.velocity, self.acceleration), self.time)
+        curve = _control_points(self.time, self.position, self.velocity, self.acceleration)
         # Every piece is cut into short ones with their own control points.
         pieces = np.ceil(np.diff(self.time) / LONGEST_PIECE - 1e-9).astype(int)
         time = np.concatenate(
@@ -73,7 +73,7 @@ class JointPath:
             ]
             + [self.time[-1:]]
         )
-        states = [np.asarray(curve(time, order)) for order in range(3)]
+        states = _states(curve, self.time, time)
         for order, given in enumerate((self.position, self.velocity, self.acceleration)):
             # Where the acceleration jumps at a point, the given value is used.
             states[order][np.searchsorted(time, self.time)] = given
@@ -81,7 +81,8 @@ class JointPath:
         # Bernstein polynomials and their derivatives lie in the convex hull of their control points.
         steps = np.abs(np.diff(points, axis=0)).max(axis=0) * 5.0
         travel = np.concatenate([np.zeros((1, points.shape[2])), np.cumsum(steps, axis=0)])
-        object.__setattr__(self, '_curve', BPoly(points, time))
+        object.__setattr__(self, '_breaks', time)
+        object.__setattr__(self, '_points', points)
         object.__setattr__(self, '_travel', travel)
 
     @classmethod
@@ -103,12 +104,25 @@ class JointPath:
 
     def sample(self, t: float) -> Array:
         """Joint positions (n,) at a time between start and end."""
-        return np.asarray(self._curve(t), dtype=np.float64)
+        breaks = self._breaks
+        i = min(max(int(breaks.searchsorted(t, 'right')) - 1, 0), len(breaks) - 2)
+        s = float((t - breaks[i]) / (breaks[i + 1] - breaks[i]))
+        u = 1.0 - s
+        bernstein = (
+            u**5,
+            5.0 * u**4 * s,
+            10.0 * u**3 * s**2,
+            10.0 * u**2 * s**3,
+            5.0 * u * s**4,
+            s**5,
+        )
+        q: Array = np.array(bernstein) @ self._points[:, i]
+        return q
 
     def turn(self, low: float, middle: float, high: float) -> Array:
         """Bounds on the axes' displacements from `middle`, between times `low` and `high`; (n,) rad (m)."""
         at = np.array([low, middle, high])
-        x = self._curve.x
+        x = self._breaks
         index = np.clip(np.searchsorted(x, at, side='right') - 1, 0, len(x) - 2)
         part = ((at - x[index]) / (x[index + 1] - x[index]))[:, None]
         travel = (1.0 - part) * self._travel[index] + part * self._travel[index + 1]
@@ -117,12 +131,27 @@ class JointPath:
 
     def fastest(self) -> Array:
         """Bounds on the axes' speeds, (n,) rad/s (m/s): of control points, a little above what they reach."""
-        speeds: Array = (np.diff(self._travel, axis=0) / np.diff(self._curve.x)[:, None]).max(axis=0)
+        speeds: Array = (np.diff(self._travel, axis=0) / np.diff(self._breaks)[:, None]).max(axis=0)
         return speeds
 
     def fraction(self, t: float) -> float:
         """Part of the time that has passed, 0..1."""
         return (t - self.start) / (self.end - self.start)
+
+
+def _states(points: Array, breaks: Array, at: Array) -> list[Array]:
+    """Positions, velocities and accelerations at times (k,), (k, n) each, of control points (6, m, n)."""
+    index = np.clip(np.searchsorted(breaks, at, side='right') - 1, 0, len(breaks) - 2)
+    h = np.diff(breaks)[index][:, None]
+    s = (at - breaks[index])[:, None] / h
+    states, control = [], points[:, index]
+    for _ in range(3):
+        inner = control
+        while len(inner) > 1:  # de Casteljau
+            inner = (1.0 - s) * inner[:-1] + s * inner[1:]
+        states.append(inner[0])
+        control = (len(control) - 1) * np.diff(control, axis=0) / h
+    return states
 
 
 def _control_points(time: Array, position: Array, velocity: Array, acceleration: Array) -> Array:

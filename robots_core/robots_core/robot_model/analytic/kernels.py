@@ -5,10 +5,10 @@
 from math import atan2, cos, floor, hypot, pi, sin
 from typing import Any
 
-import numba
 import numpy as np
 
 from robots_core.kernels.compiled import compiled
+from robots_core.kernels.loaded_numba import nb
 from robots_core.kernels.vectors import Vector
 from robots_core.robot_model.analytic.arm_record import ARM
 from robots_core.robot_model.analytic.closed_forms import (
@@ -39,11 +39,11 @@ FREE_TRIES = 64
 FREE_STEP = TAU / FREE_TRIES
 GOLDEN_STEP = TAU * 0.6180339887498949
 
-_arm = numba.from_dtype(ARM)
-_vector = numba.types.Array(numba.float64, 1, 'A', readonly=True)
-_matrix = numba.types.Array(numba.float64, 2, 'A', readonly=True)
-_signature = numba.int64(
-    numba.types.Array(_arm, 1, 'C', readonly=True), _vector, _matrix, _vector, numba.float64[:, ::1]
+_arm = nb.from_dtype(ARM)
+_vector = nb.types.Array(nb.float64, 1, 'A', readonly=True)
+_matrix = nb.types.Array(nb.float64, 2, 'A', readonly=True)
+_signature = nb.int64(
+    nb.types.Array(_arm, 1, 'C', readonly=True), _vector, _matrix, _vector, nb.float64[:, ::1]
 )
 
 
