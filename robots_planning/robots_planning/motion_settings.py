@@ -41,8 +41,8 @@ class MotionSettings:
         jerk_limited: Keep the axes' jerk limits on Cartesian motions and in blended chains too.
         joint_planner: Planner of joint motions: 'linear_joint' (all axes start and stop together) or
             'linear_joint_axes' (every axis as fast as it can), or another that is installed.
-        cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast), 'dynamic_programming'
-            (time-optimal, torque limits too), or another that is installed.
+        cartesian_planner: Planner of Cartesian motions: 'limited' (velocity and acceleration),
+            'dynamic_programming' (torque too, and configurations), or another that is installed.
         avoid: Joint motions go around what is in the way, planned by 'collision_free' instead of
             `joint_planner`; where a line collides, the refusal says whether such a motion is free.
         avoid_budget: Longest search for a way around, in seconds at 25 000 postures per second: what is found

@@ -299,7 +299,7 @@ def finer_grid() -> Iterator[None]:
         path_grid.POINTS, path_grid.TURN_POINTS = usual
 
 
-def two_pass(count: int, repetitions: int) -> None:
+def limited(count: int, repetitions: int) -> None:
     table = Table(
         title=f'{LENGTH} m lines, velocity and acceleration limits of the axes: LinearCartesianLimited over '
         f'the optimum (toppra {CONVERGED})'
@@ -373,7 +373,7 @@ def main() -> None:
     logging.disable(logging.CRITICAL)  # toppra reports its steps
     dynamic_programming(arguments.lines, arguments.repetitions)
     all_lines(10 * arguments.lines)
-    two_pass(arguments.lines, arguments.repetitions)
+    limited(arguments.lines, arguments.repetitions)
     joint_moves(arguments.lines, arguments.repetitions)
 
 

@@ -44,7 +44,7 @@ def planned(generator: PosesGenerator, q: np.ndarray, poses: list[Pose]) -> np.n
     'offsets', [[[0.0, 0.1, 0.05], [0.1, 0.2, 0.0]], [[0.0, -0.1, -0.1], [-0.1, -0.2, 0.0]]]
 )
 def test_out_of_a_straight_wrist(curve: type[PosesGenerator], offsets: list[list[float]]) -> None:
-    """Home is singular: two passes cannot leave it; here the wrist turns first, the tool stands still."""
+    """Home is singular: 'limited' cannot leave it; here the wrist turns first, the tool stands still."""
     robot = load_robot_model('kuka_kr210_r2700')
     poses = poses_from(Pose(*robot.direct_kinematics(robot.home)), offsets, [0.1, 0.0, 0.2])
     with pytest.raises(PlanningError, match=r'singularity at 0\.0 %'):

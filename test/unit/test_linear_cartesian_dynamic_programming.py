@@ -47,7 +47,7 @@ def check(trajectory: Trajectory, robot: BaseRobotModel, start: Pose, target: Po
 
 
 @pytest.mark.parametrize('name', [KUKA, 'ur10e', 'franka_fr3'])
-def test_faster_than_two_passes_with_the_same_limits(name: str) -> None:
+def test_faster_than_limited_lines_with_the_same_limits(name: str) -> None:
     robot = load_robot_model(name)
     q = robot.home.copy()
     q[4 if robot.num_axes == 6 else 5] += 0.5

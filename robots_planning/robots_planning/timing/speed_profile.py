@@ -108,7 +108,7 @@ def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> Non
 @compiled()
 def _reachable(step: float, ends: Ends, scales: Scales, change: float, highest: float, top: float) -> float:
     """Largest u from which some next u of at most `top` is reached, 0 if there is none."""
-    u = _highest_speed(step, ends, scales, highest)
+    u = _highest_speed(step, ends, scales, change, highest)
     for _ in range(NEWTON_STEPS):
         low, high, low_slope, high_slope = _following(step, ends, scales, change, u)
         if high > top:
@@ -128,7 +128,7 @@ def _reachable(step: float, ends: Ends, scales: Scales, change: float, highest: 
 
 
 @compiled()
-def _highest_speed(step: float, ends: Ends, scales: Scales, highest: float) -> float:
+def _highest_speed(step: float, ends: Ends, scales: Scales, change: float, highest: float) -> float:
     """Largest u by the speed limits, and by those limits that bound it whatever the next u is."""
     inverse = 0.5 / step
     for end in range(2):
@@ -139,10 +139,14 @@ def _highest_speed(step: float, ends: Ends, scales: Scales, highest: float) -> f
             gain, rate = b * end + a * inverse, b * (1 - end) - a * inverse
             if w > 0.0 and end == 0:
                 highest = min(highest, TIP * bound / w)
-            elif w > 0.0 and rate != 0.0:
-                highest = min(highest, TIP * bound * sqrt(gain * gain + w * w) / (w * abs(rate)))
-            elif w == 0.0 and rate != 0.0 and abs(gain) <= VANISHING * abs(rate):
-                highest = min(highest, (bound - c if rate > 0.0 else bound + c) / abs(rate))
+                continue
+            if w > 0.0:
+                bound *= TIP * sqrt(gain * gain + w * w) / w
+            elif abs(gain) > VANISHING * abs(rate):
+                continue
+            if rate != 0.0:
+                offset = (end - 0.5) * change * a + c
+                highest = min(highest, max(bound - offset if rate > 0.0 else bound + offset, 0.0) / abs(rate))
     return highest
 
 

@@ -32,8 +32,8 @@ SPARSE = 2  # torques and the tool are checked in one of so many checks
 # Torques are checked where the profile uses more than this fraction of their limits.
 TORQUE_LOOK = 0.7
 RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
-# Ramps tried with jerk limits, relative to what the largest jump of acceleration needs: a shorter one costs
-# less time everywhere, and more where the motion is slowed down for its jerk.
+# Ramps tried with jerk limits, relative to what the motion needs that is not slowed down for its jerk: a
+# shorter one costs less time everywhere, and more there.
 JERK_RAMPS = (1.0, 0.75, 0.55)
 PASSES = 3  # the first with constant s_ddot from point to point, the others with the slopes of the one before
 ROUNDS = 6  # of lowering limits that the trajectory broke
@@ -87,6 +87,7 @@ class TimeOptimalTiming:
         jerk: Highest jerk per axis, (n,), rad/s^3 (m/s^3); None for no jerk limits. With them the motion is
             no longer the fastest: the time law is smoothed until it keeps them.
         ramp: Part of the duration in which acceleration may jump from one value to another.
+        longest_ramp: Longest one without jerk limits, s.
     """
 
     def __init__(
@@ -98,17 +99,14 @@ class TimeOptimalTiming:
         *,
         jerk: Array | None = None,
         ramp: float = RAMP,
+        longest_ramp: float = np.inf,
     ) -> None:
         self._velocity, self._acceleration, self._jerk = velocity, acceleration, jerk
         self._axis_limits = np.array(
             [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
         )
         self._torques = None if effort is None else TorqueLimits(robot, effort)
-        self._ramp, self._windows = ramp, [SHORTEST_RAMP]
-        if jerk is not None:
-            # Ramp for a jump from one acceleration limit to the opposite one.
-            jump = float((2.0 * acceleration / jerk).max())
-            self._windows = [part * jump for part in JERK_RAMPS]
+        self._ramp, self._longest_ramp = ramp, longest_ramp
 
     def timed(self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf) -> TimedPath:
         """The fastest trajectory from rest to rest along a path.
@@ -126,13 +124,22 @@ class TimeOptimalTiming:
             TooSlowError: the fastest trajectory takes longer.
         """
         fastest: TimedPath | None = None
-        for window in self._windows:
+        for window in self._windows(path, tool):
             for plan in self._plans(path, tool, window, longest):
                 if plan.trajectory.duration <= longest:
                     fastest, longest = plan, plan.trajectory.duration
         if fastest is None:
             raise TooSlowError
         return fastest
+
+    def _windows(self, path: JointPath, tool: PathLimits | None) -> list[float]:
+        """Shortest ramps to try, s."""
+        if self._jerk is None:
+            return [SHORTEST_RAMP]
+        # For a jump from one acceleration limit to the opposite one. Jerk falls with the length of a ramp.
+        longest = float((2.0 * self._acceleration / self._jerk).max())
+        needed = longest * min(1.0, next(self._rounds(path, tool, window=longest)).jerk)
+        return [max(part * needed, SHORTEST_RAMP) for part in JERK_RAMPS]
 
     def trajectory(
         self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf
@@ -202,9 +209,9 @@ class TimeOptimalTiming:
         rates = None if tool is None else (lambda sigma: _rates_over(even, tool, sigma))
         limits = self._limits(s, even, rates)
         scale = np.full(len(s), 1.0 - RESERVE)
-        for number in range(ROUNDS if start is None else MOST_ROUNDS):
+        for number in range(ROUNDS if start is None and self._jerk is None else MOST_ROUNDS):
             law = self._law(s, limits, scale, even, start)
-            law.window = max(self._ramp * law.duration, window) if start is None else window
+            law.window = self._window(law, window) if start is None else window
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return
             trajectory, places = self._sampled(even, law, limits[0], start)
@@ -226,6 +233,10 @@ class TimeOptimalTiming:
             scale = scale / local_excess(law, times, use)
             if start is None and float(scale.min()) < LOWEST_SCALE:
                 return
+
+    def _window(self, law: SwitchedTimeLaw, shortest: float) -> float:
+        """Length of the ramps of acceleration of a motion from rest, s."""
+        return max(min(self._ramp * law.duration, self._longest_ramp), shortest)
 
     def _slowed(self, plan: _Round) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits."""
@@ -266,7 +277,7 @@ class TimeOptimalTiming:
         """The time law of the fastest profile, without ramps."""
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         u[0] = 0.0 if start is None else start.before_average()[1] ** 2
-        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, PASSES, u, difference)
+        failed = fastest_speeds(s, limits[0], limits[1] * scale, scale, PASSES, u, difference)
         if failed >= 0:
             assert self._torques is not None
             place = s[failed : failed + 1]

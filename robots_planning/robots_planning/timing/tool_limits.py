@@ -29,7 +29,8 @@ class LimitedRates:
         along: Second derivatives, (m, k).
         across: What bends of the path add at right angles, per s_dot^2, (m, k), from 0.
         velocity: Limits, (k,) or (m, k), m/s or rad/s.
-        acceleration: Limits of either part of the acceleration, m/s^2 or rad/s^2.
+        acceleration: Limits of the acceleration, m/s^2 or rad/s^2.
+        combined: They are limits of its length, with both parts; otherwise of each part.
     """
 
     rate: Array
@@ -37,6 +38,7 @@ class LimitedRates:
     across: Array
     velocity: Array
     acceleration: Array
+    combined: bool = True
 
     def over(self, s_1: Array, s_2: Array) -> LimitedRates:
         """The same over another coordinate, from both derivatives of s with respect to it, (m,) each."""
@@ -47,17 +49,22 @@ class LimitedRates:
     def rows(self) -> Array:
         """The limits of acceleration as in `fastest_speeds`, (m, j, 4)."""
         m, k = self.rate.shape
-        bent = np.flatnonzero(self.across.any(axis=0))
-        rows = np.zeros((m, k + len(bent), 4))
+        across = self.across / self.acceleration
+        bent = np.flatnonzero(across.any(axis=0))
+        rows = np.zeros((m, k if self.combined else k + len(bent), 4))
         rows[:, :k, 0], rows[:, :k, 1] = self.rate / self.acceleration, self.along / self.acceleration
-        rows[:, k:, 1] = (self.across / self.acceleration)[:, bent]
+        if self.combined:
+            rows[:, :k, 3] = across
+        else:
+            rows[:, k:, 1] = across[:, bent]
         return rows
 
     def use(self, s_dot: Array, s_ddot: Array) -> Array:
         """The largest use of a limit at the speeds and accelerations s_dot and s_ddot, (m,)."""
         square = (s_dot**2)[:, None]
-        along, across = np.abs(self.along * square + self.rate * s_ddot[:, None]), self.across * square
-        speed, acceleration = np.abs(self.rate) * s_dot[:, None], np.maximum(along, across)
+        along, across = self.along * square + self.rate * s_ddot[:, None], self.across * square
+        acceleration = (np.hypot if self.combined else np.maximum)(np.abs(along), across)
+        speed = np.abs(self.rate) * s_dot[:, None]
         return np.asarray(np.maximum(speed / self.velocity, acceleration / self.acceleration).max(axis=1))
 
 
@@ -127,7 +134,8 @@ def chain_limits(
         q, q_s, q_ss = path.evaluate(s)
         of_tool = travel(*_tool_derivatives(robot, tools[section], q, q_s, q_ss))
         rate, along, across = map(np.hstack, zip((q_s, q_ss, np.zeros_like(q)), of_tool, strict=True))
-        return LimitedRates(rate, along, across, *bounds[section].swapaxes(0, 1))
+        velocity, acceleration = bounds[section].swapaxes(0, 1)
+        return LimitedRates(rate, along, across, velocity, acceleration, combined=False)
 
     return limits
 

@@ -1,4 +1,4 @@
-"""CartesianGenerator: motions along a path of the tool, timed by two passes or by dynamic programming."""
+"""CartesianGenerator: motions along a path of the tool, inside the limits of axes and tool."""
 
 from abc import abstractmethod
 from typing import Any, ClassVar, Final, Literal, Self
@@ -19,7 +19,6 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.tool_limits import path_limits
-from robots_planning.timing.two_pass_timing import TwoPassTiming
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import (
     LIMIT_MARGIN,
@@ -35,29 +34,29 @@ PLANNERS = ('limited', 'dynamic_programming')
 TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
 """Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
 
+SMOOTHING_SHARE: Final = 0.005  # of the duration that smoothing may add
 STILL: Final = 1e-9  # rad (m)
 
 
 class CartesianGenerator(TrajectoryGenerator):
     """The tool centre point follows a path of poses, as fast as the limits of axes and tool allow.
 
-    By default, a forward and a backward pass over the path speed hold the limits on a grid; the time law is
-    then smoothed, so that acceleration is continuous, and slowed down where it would break a limit. Near a
-    singularity the motion becomes slow. Axis torque is not limited. An arm that holds less than a pose turns
-    the tool as it must; its motions are timed by dynamic programming, without `smoothing`.
+    The path is timed by `TimeOptimalTiming`. By default axis torque is not limited, and the acceleration is
+    smoothed. Near a singularity the motion becomes slow. An arm that holds less than a pose turns the tool as
+    it must.
 
     Args:
         robot: The robot.
         cartesian_speed: Highest speed of the tool, m/s; as for the other limits of the tool, None for none.
         cartesian_acceleration: Highest acceleration of the tool, m/s^2; on a curve its magnitude, with the
-            centripetal part, or by 'dynamic_programming' either part of it.
+            centripetal part.
         rotation_speed: Highest angular speed of the tool, rad/s.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
         jerk_limited: Keep the axes' jerk limits too.
-        smoothing: Longest smoothing of acceleration without jerk limits, s; at most a two-hundredth of the
-            duration is used, and the motion is longer by that much.
-        planner: 'limited' for the two passes, 'dynamic_programming' for the fastest motion, which keeps the
-            axes' torque limits too and chooses among configurations (see `ConfigurationGraph`).
+        smoothing: Longest smoothing of acceleration by 'limited' without jerk limits, s; at most a
+            two-hundredth of the duration is used, and the motion is longer by that much.
+        planner: 'limited' keeps the limits of velocity and acceleration; 'dynamic_programming' those of the
+            axes' torque too, and chooses among configurations (see `ConfigurationGraph`).
         torque: Keep the axes' torque limits. For planner 'dynamic_programming' only.
         options: See `TrajectoryGenerator`.
 
@@ -97,21 +96,17 @@ class CartesianGenerator(TrajectoryGenerator):
             raise InvalidInputError(f'planner = {planner!r} must be one of {", ".join(map(repr, PLANNERS))}')
         fastest = planner == 'dynamic_programming'
         self.keeps_torque = fastest and torque
-        jerk = self.jerk if jerk_limited else None
-        self._timing: TwoPassTiming | TimeOptimalTiming
-        if self.hold == POSE and not fastest:
-            self._timing = TwoPassTiming(
-                self.velocity,
-                self.acceleration,
-                jerk,
-                self._tool_limits,
-                smoothing=smoothing,
-            )
-            return
-        if self.hold == POSE:
+        if self.hold == POSE and fastest:
             self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
-        effort = robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None
-        self._timing = TimeOptimalTiming(robot, self.velocity, self.acceleration, effort, jerk=jerk)
+        smoothed = {'ramp': SMOOTHING_SHARE, 'longest_ramp': positive(smoothing, 'smoothing', 's')}
+        self._timing = TimeOptimalTiming(
+            robot,
+            self.velocity,
+            self.acceleration,
+            robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None,
+            jerk=self.jerk if jerk_limited else None,
+            **{} if fastest else smoothed,
+        )
 
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
@@ -218,8 +213,6 @@ class CartesianGenerator(TrajectoryGenerator):
 
     def along(self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf) -> Trajectory:
         """The timed motion from rest to rest along both over the same s; see `TimeOptimalTiming.timed`."""
-        if isinstance(self._timing, TwoPassTiming):
-            return self._timing.trajectory(joint_path, tool_path, longest)
         turning_tool = None
         if self.hold != POSE:
             turning_tool = np.zeros(3) if self.tool is None else self.tool.r

@@ -1,4 +1,4 @@
-"""LinearCartesianLimited: point-to-point on a straight line of the tool, by the two-pass algorithm."""
+"""LinearCartesianLimited: a straight line of the tool inside the limits of velocity and acceleration."""
 
 from robots_planning.trajectory_generators.line_generator import LineGenerator
 

@@ -1,21 +1,28 @@
-"""The two-pass algorithm on a grid: known optima, limits, direction, and a search by linear programs."""
+"""The fastest speeds on a grid: known optima, limits, direction, and a search by linear programs."""
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
 
 from robots_planning.timing.speed_profile import fastest_speeds
-from robots_planning.timing.tool_limits import travel
-from robots_planning.timing.two_pass_kernel import Grid, speed_limits
+from robots_planning.timing.tool_limits import LimitedRates, travel
+
+Grid = tuple[np.ndarray, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]
+"""s, (m,); q' and q'' of the axes, (m, n); `travel` of the tool."""
 
 MotionLimits = tuple[np.ndarray, np.ndarray, np.ndarray]
 FREE = np.full(4, np.inf)
 
 
 def speeds_of(grid: Grid, limits: MotionLimits) -> np.ndarray:
-    m = len(grid[0])
-    u, rows = np.zeros(m), speed_limits(grid, np.array(limits[:2]), limits[2])
-    assert fastest_speeds(grid[0], *rows, np.ones(m), 1, u, np.empty(m - 1)) == -1
+    s, q_s, q_ss, of_tool = grid
+    velocity, acceleration, tool = limits
+    axes = np.stack([q_s / acceleration, q_ss / acceleration, 0.0 * q_s, 0.0 * q_s], axis=2)
+    rows = np.concatenate([axes, LimitedRates(*of_tool, tool[::2], tool[1::2]).rows()], axis=1)
+    with np.errstate(divide='ignore'):
+        highest = 1.0 / np.abs(q_s / velocity).max(axis=1) ** 2
+    u = np.zeros(len(s))
+    assert fastest_speeds(s, rows, highest, np.ones(len(s)), 1, u, np.empty(len(s) - 1)) == -1
     return u
 
 
@@ -117,3 +124,22 @@ def test_is_as_fast_as_what_a_linear_program_finds(seed: int) -> None:
     top[[0, -1]] = 0.0
     best = linprog(-np.ones(len(s)), np.array(rows), np.array(bounds), bounds=[(0.0, high) for high in top])
     assert duration_of(s, u) <= 1.001 * duration_of(s, best.x)
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_limits_of_vectors_hold_at_both_ends_of_every_interval(seed: int) -> None:
+    """Also where no speed above theirs has a next speed at all, with x that changes within the interval."""
+    s, q_s, q_ss, _ = waves(seed, m=200, axes=3)
+    rng = np.random.default_rng(seed)
+    bends = np.stack(
+        [rng.uniform(1.0, 40.0) * np.abs(np.sin(rng.uniform(2.0, 9.0) * s)) for _ in range(3)], 1
+    )
+    rows = np.stack([q_s, q_ss, 0.0 * q_s, bends], axis=2)
+    scale = rng.uniform(0.5, 1.0, len(s))
+    u, change = np.zeros(len(s)), np.empty(len(s) - 1)
+    assert fastest_speeds(s, rows, np.full(len(s), np.inf), scale, 3, u, change) == -1
+    x = np.diff(u) / (2.0 * np.diff(s))
+    for first, sign in ((slice(None, -1), -0.5), (slice(1, None), 0.5)):
+        along = rows[first, :, 0] * (x + sign * change)[:, None] + rows[first, :, 1] * u[first, None]
+        use = np.hypot(along, rows[first, :, 3] * u[first, None]) / scale[first, None]
+        assert use.max() <= 1.0 + 1e-6  # rounding, where a limit is at its tip
