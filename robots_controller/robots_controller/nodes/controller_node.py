@@ -248,7 +248,7 @@ class ControllerNode(ManagedNode):
                 **state.values,
             )
         )
-        if state.fault and state.drives_on:
+        if state.fault not in (None, Fault.DEACTIVATED) and state.drives_on:
             self.journal.error(f'stopped: {state.reason}')
 
     def run_enabled(self, *, enabled: bool) -> None:
