@@ -56,7 +56,8 @@ class PlantConnection:
         self._arrivals: deque[Arrival] = deque()
         self._lost_arrivals = 0
         self._news: list[str] = []
-        self._problems: dict[str, str] = {'connection': self._down}
+        # Another problem than that of a connection that fails, whose reason is logged then.
+        self._problems: dict[str, str] = {'start': self._down}
         self._thread = Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
