@@ -6,17 +6,20 @@ import asyncio
 import json
 import socket
 import threading
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import paho.mqtt.client as mqtt
+import pytest
 from amqtt.broker import Broker
 from asyncua import server as opcua
 from asyncua import ua
 from asyncua.crypto.cert_gen import setup_self_signed_certificate
 from asyncua.crypto.permission_rules import User, UserRole
+from asyncua.server.internal_subscription import InternalSubscription
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
@@ -284,6 +287,70 @@ class MqttPartner(Partner):
             message.wait_for_publish(DEADLINE)
 
 
+class OverflowMarks:
+    """Marks what servers of asyncua send after values that their queues have dropped, as OPC 10000-4 has it.
+
+    asyncua drops them without a mark.
+    """
+
+    OVERFLOW = ua.StatusCode(0x0480)
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.count = 0
+        """Of values that were dropped."""
+        self._plain = InternalSubscription._enqueue_event
+        monkeypatch.setattr(InternalSubscription, '_enqueue_event', self._marking())
+
+    def _marking(self) -> Any:
+        async def enqueue(subscription: Any, item: int, event: Any, size: int, queue: dict[int, Any]) -> None:
+            full = 0 < size <= len(queue.get(item, ()))
+            await self._plain(subscription, item, event, size, queue)
+            if full:
+                self.count += 1
+                oldest = queue[item][0]
+                value = replace(oldest.Value, StatusCode=self.OVERFLOW)
+                queue[item][0] = replace(oldest, Value=value)
+
+        return enqueue
+
+
+class Babbler(Partner):
+    """A server that answers whatever it is sent with the same bytes.
+
+    Args:
+        answer: The bytes.
+        end: What it does then: 'close', 'wait' or 'repeat' them without end.
+    """
+
+    def __init__(self, answer: bytes, end: str) -> None:
+        super().__init__()
+        self.port = free_port()
+        self.clients = 0
+        self._answer, self._end = answer, end
+        self._server: Any = None
+
+    async def _start(self) -> None:
+        self._server = await asyncio.start_server(self._connect, '127.0.0.1', self.port)
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
+    async def _connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.clients += 1
+        with suppress(ConnectionError):
+            await reader.read(65536)
+            writer.write(self._answer)
+            await writer.drain()
+            while self._end == 'repeat':
+                writer.write(self._answer)
+                await writer.drain()
+            if self._end == 'wait':
+                await reader.read()
+        writer.close()
+
+
 class OpcuaPartner(Partner):
     """An OPC UA server of asyncua, with variables of a namespace of its own.
 
@@ -364,6 +431,23 @@ class OpcuaPartner(Partner):
     def get(self, name: str) -> Any:
         """Value of a variable."""
         return self.call(self._nodes[name].read_value())
+
+    def flood(self, name: str, values: Sequence[Any]) -> None:
+        """Set a variable to one value after the other before the server sends any."""
+        self.call(self._flood(self._nodes[name], values))
+
+    @staticmethod
+    async def _flood(node: Any, values: Sequence[Any]) -> None:
+        for value in values:
+            await node.write_value(value)
+
+    def end_subscriptions(self) -> None:
+        """Inform all clients that their subscriptions have timed out."""
+        self.call(self._end_subscriptions())
+
+    async def _end_subscriptions(self) -> None:
+        for subscription in self._server.iserver.subscription_service.subscriptions.values():
+            await subscription.enqueue_statuschange(ua.StatusCode(ua.StatusCodes.BadTimeout))
 
     def protect(self, name: str, *, writable: bool) -> None:
         """Let clients write a variable, or not."""

@@ -13,7 +13,7 @@ from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.faults import Fault
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_core.errors import RobotsError
+from robots_core.errors import NotNowError, RobotsError
 from robots_core.motion_result import MotionResult
 
 from .two_axes import quintic, two_axes
@@ -244,3 +244,37 @@ def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
     assert rig.looks == 1
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     assert rig.run_until_result().ok
+
+
+def test_a_release_is_the_reset_of_its_own_fault_alone(rig: Rig) -> None:
+    loop, stops = rig.loop, rig.loop.controller.stops
+    loop.watch(Fault.DEACTIVATED, 'not active')
+    rig.run(5)
+    assert not stops.state.drives_on
+    with pytest.raises(NotNowError, match='cannot reset: not active'):
+        loop.reset()
+    loop.release(Fault.DEACTIVATED)
+    rig.run(1)
+    assert stops.state == StopState()
+
+    loop.trip(Fault.EMERGENCY_STOP, 'pressed')
+    loop.watch(Fault.DEACTIVATED, 'not active')
+    rig.run(5)
+    loop.release(Fault.DEACTIVATED)
+    rig.run(1)
+    assert stops.state.fault is Fault.EMERGENCY_STOP
+    loop.reset()
+    rig.run(1)
+    assert stops.state == StopState()
+
+
+def test_a_release_is_refused_while_the_robot_moves_or_another_cause_is_there(rig: Rig) -> None:
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.run(50)
+    with pytest.raises(NotNowError, match='still moving'):
+        rig.loop.release(Fault.DEACTIVATED)
+    assert rig.run_until_result().ok
+    rig.loop.watch(Fault.EMERGENCY_STOP, 'pressed')
+    rig.run(5)
+    with pytest.raises(NotNowError, match='cannot reset: pressed'):
+        rig.loop.release(Fault.DEACTIVATED)

@@ -336,3 +336,40 @@ def test_rigid_body_drives_refuse_a_robot_without_masses(tmp_path: Path):
     robot = UrdfRobotModel(write(tmp_path, arm_xml()))
     with pytest.raises(InvalidInputError, match=r"'arm' has no masses.*no <inertial>.*second_order or ideal"):
         drive_train('rigid_body', robot, robot.home, period=0.004)
+
+
+def with_base(joint: str) -> str:
+    return arm_xml().replace('</robot>', f'<link name="base"/>{joint}</robot>')
+
+
+FIXED_BASE = '<joint name="to_base" type="fixed"><parent link="{}"/><child link="base"/><origin {}/></joint>'
+
+
+@pytest.mark.parametrize(
+    ('parent', 'origin', 'where'),
+    [
+        (
+            'link_0',
+            'rpy="0 0 3.14159265358979"',
+            'lies at (0, 0, 0) m and turned by 3.142 rad, seen from link_0',
+        ),
+        ('link_0', 'xyz="0 0.1 -0.25"', 'lies at (0, 0.1, -0.25) m and turned by 0 rad, seen from link_0'),
+        ('link_2', 'xyz="0 0 0"', 'moves with joint_2'),
+    ],
+)
+def test_a_link_base_that_lies_elsewhere_is_named(tmp_path: Path, parent: str, origin: str, where: str):
+    file = write(tmp_path, with_base(FIXED_BASE.format(parent, origin)))
+    (sentence,) = UrdfRobotModel(file).substitutions
+    assert sentence == (
+        f'link base {where}; it would have to be the root, or lie where that does; taken in its place: '
+        'link_0, to which poses in frame base refer'
+    )
+    with pytest.raises(UnknownRobotError, match=r'link base (lies|moves)'):
+        UrdfRobotModel(file, strict=True)
+
+
+def test_a_link_base_that_lies_in_the_root_is_the_base(tmp_path: Path):
+    at_root = with_base(FIXED_BASE.format('link_0', 'xyz="0 0 1e-9"'))
+    assert UrdfRobotModel(write(tmp_path, at_root)).substitutions == ()
+    xml = arm_xml().replace('link_0', 'base')
+    assert UrdfRobotModel(write(tmp_path, xml)).substitutions == ()

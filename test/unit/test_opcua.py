@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 from asyncua import ua
 
 from plant_bench import PlantBench
-from plant_partners import Line, OpcuaPartner, certificate
+from plant_partners import Babbler, Line, OpcuaPartner, OverflowMarks, certificate
 from robots_controller.io.io_map import parse_io_map
 from robots_core.errors import InvalidInputError
 
@@ -174,6 +175,88 @@ def test_a_flood_of_changes_ends_with_the_newest(
     bench.until(lambda: bench.inputs['analog_input.1'] == 0.499, 'the newest')
     told = [text for text in bench.told if 'came faster than they could be taken' in text]
     assert len(told) == (bench.bridge.problems.count > 0)
+
+
+def test_values_that_the_server_drops_are_counted_and_told_once(
+    partner: OpcuaPartner, start: Start, monkeypatch: pytest.MonkeyPatch
+):
+    marks = OverflowMarks(monkeypatch)
+    partner.start()
+    bench = start(partner)
+    bench.until(lambda: bench.inputs.get('analog_input.1') == 2.5, 'the input')
+    for n in range(1, 4):
+        partner.flood('force', [float(k) for k in range(200)] + [1000.0 * n])
+        bench.until(lambda newest=n: bench.inputs['analog_input.1'] // 1.0 == newest, 'the newest')  # type: ignore[misc]
+    assert marks.count > 500
+    assert bench.bridge.problems.count == 3  # one mark, however many were dropped before
+    told = [text for text in bench.told if 'came faster than they could be taken' in text]
+    assert told == ['opcua line: values came faster than they could be taken; at least 1 lost']
+    partner.set('word', ua.DataValue(ua.Variant(8, ua.VariantType.Int32), ua.StatusCode(0x0400)))
+    bench.until(lambda: bench.inputs['digital_input.2'] == 0.0, 'a value with another mark')
+    partner.set('word', ua.DataValue(ua.Variant(9, ua.VariantType.Int32), ua.StatusCode(0x808C0480)))
+    problem = 'ns=2;s=word: BadSensorFailure; digital_input.2 keeps its value'
+    bench.until(lambda: problem in str(bench.bridge.problems), 'a bad value with a mark')
+
+
+def test_a_subscription_that_the_server_ends_is_made_again(partner: OpcuaPartner, start: Start):
+    partner.start()
+    bench = start(partner)
+    bench.until(lambda: bench.inputs.get('analog_input.1') == 2.5, 'the input')
+    partner.end_subscriptions()
+    partner.set('force', 1500.0)  # asyncua's server sends the end with the next change
+    bench.until(lambda: bench.told.count('opcua line: connected') == 2, 'another connection')
+    bench.until(lambda: bench.inputs['analog_input.1'] == 1.5, 'the value')
+    partner.set('force', 1000.0)
+    bench.until(lambda: bench.inputs['analog_input.1'] == 1.0, 'the change')
+
+
+ACKNOWLEDGE = struct.pack('<3scIIIIII', b'ACK', b'F', 28, 0, 65536, 65536, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ('answer', 'end', 'problem'),
+    [
+        (1_000_000 * b'\xff', 'wait', 'sends what is not OPC UA'),
+        (65536 * b'\xff', 'repeat', 'sends what is not OPC UA'),
+        (b'HTTP/1.1 400 Bad Request\r\n\r\n', 'close', 'sends what is not OPC UA'),
+        (struct.pack('<3scI', b'ACK', b'F', 0xFFFFFFFF), 'repeat', 'sends what is not OPC UA'),
+        (struct.pack('<3scI', b'ACK', b'F', 7), 'wait', 'sends what is not OPC UA'),
+        (ACKNOWLEDGE + struct.pack('<3scI', b'OPN', b'F', 1 << 30), 'wait', 'sends what is not OPC UA'),
+        (ACKNOWLEDGE[:4], 'close', 'onnection'),
+        (ACKNOWLEDGE[:12], 'close', 'onnection'),
+        (ACKNOWLEDGE, 'close', 'onnection'),
+        (ACKNOWLEDGE + struct.pack('<3scII', b'OPN', b'F', 100, 1) + 88 * b'\xff', 'wait', 'onnection'),
+        (struct.pack('<3scIIi', b'ERR', b'F', 16, 0x80AC0000, -1), 'close', 'onnection'),
+        (ACKNOWLEDGE[:12], 'wait', 'no answer within 0.5 s'),
+        (b'', 'wait', 'no answer within 0.5 s'),
+    ],
+)
+def test_a_server_that_sends_what_is_no_opc_ua_is_left_and_tried_again(answer: bytes, end: str, problem: str):
+    babbler = Babbler(answer, end)
+    babbler.start()
+    text = MAP.replace('60.0', '0.5').format(endpoint=f'opc.tcp://127.0.0.1:{babbler.port}', more='')
+    bench = PlantBench(text + ROWS)
+    bench.until(lambda: babbler.clients >= 3, 'three attempts')
+    bench.until(lambda: problem in str(bench.bridge.problems), 'the reason')
+    first, reason = [told for told in bench.told if told.startswith('opcua line: ')]
+    assert first == 'opcua line: not connected yet'
+    assert problem in reason
+    bench.close()
+    babbler.end()
+
+
+@pytest.mark.parametrize('noise', [1_000_000 * b'\xff', struct.pack('<3scI', b'MSG', b'F', 0x7FFFFFFF)])
+def test_noise_in_the_middle_of_a_connection_ends_it(partner: OpcuaPartner, start: Start, noise: bytes):
+    partner.start()
+    line = Line(partner.port)
+    line.start()
+    bench = start(line)
+    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
+    line.shout(noise)
+    bench.until(lambda: bench.told.count('opcua line: connected') == 2, 'another connection')
+    partner.set('ready', value=True)
+    bench.until(lambda: bench.inputs['digital_input.1'] == 1.0, 'the input')
+    line.end()
 
 
 def test_late_answers_do_not_hold_up_the_loop(partner: OpcuaPartner, start: Start):

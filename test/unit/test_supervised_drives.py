@@ -78,7 +78,9 @@ def test_references_are_followed_as_by_the_drives_alone(level: str) -> None:
 @pytest.mark.parametrize('how', ['the references have ended', 'switched off'])
 def test_drives_ramp_down_inside_their_limits_and_brake(level: str, how: str) -> None:
     rig = Rig(level)
+    assert rig.supervised.standing
     rig.speed_up()
+    assert not rig.supervised.standing
     if how == 'switched off':
         rig.supervised.power(on=False)
     periods = 0
@@ -87,6 +89,7 @@ def test_drives_ramp_down_inside_their_limits_and_brake(level: str, how: str) ->
         rig.step(rig.q if how == 'switched off' else None, rig.q_dot)
         periods += 1
         assert periods < 500
+    assert rig.supervised.standing
     if level == 'ideal':
         rig.check_limits()
     ramp = float((SPEED / AXES.acceleration).max())

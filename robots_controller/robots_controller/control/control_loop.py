@@ -182,6 +182,15 @@ class ControlLoop:
         else:
             self._mailbox.append(lambda _: self.controller.stops.clear(fault))
 
+    def release(self, fault: Fault) -> None:
+        """End the cause of a fault; the robot may move again unless another fault holds it.
+
+        Raises:
+            RobotsError: it moves, or another cause is still there.
+        """
+        self.controller.check_reset(besides=fault)
+        self._mailbox.append(partial(self._release, fault))
+
     def reset(self) -> None:
         """Let the robot move again after a fault.
 
@@ -271,6 +280,12 @@ class ControlLoop:
     def _reset(self, _now: float) -> None:
         with contextlib.suppress(RobotsError):  # something has come up since it was asked for
             self.controller.reset()
+
+    def _release(self, fault: Fault, now: float) -> None:
+        stops = self.controller.stops
+        stops.clear(fault)
+        if stops.state.fault is fault:
+            self._reset(now)
 
     def _stop(self, reason: str, _now: float, *, resume: bool) -> None:
         self.controller.stop(reason)

@@ -83,6 +83,11 @@ class Fault(Enum):
         '0.1 s',
         'another node publishes `joint_reference` or `drives_on`; reset when it is gone',
     )
+    DEACTIVATED = (
+        StopCategory.ONE,
+        'one period',
+        'a managed controller_node is not active; activating it is the reset',
+    )
     CONTROLLER_LOST = (
         StopCategory.ONE,
         'see references ended',

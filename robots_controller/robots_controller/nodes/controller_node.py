@@ -26,6 +26,7 @@ from robots_controller.control.watched_inputs import WatchedInputs
 from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
+from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import InvalidInputError, RobotsError
@@ -35,6 +36,7 @@ from robots_core.realtime import ask_for_realtime, processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
     NANOSECONDS,
     diagnostic_status,
@@ -42,10 +44,9 @@ from robots_core.ros.messages import (
     motion_result_message,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.reference_stream import ReferenceStream
-from robots_core.ros.robot_node import PRIORITIES, RobotNode
+from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.run import run
 from robots_core.ros.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import Array, fraction
@@ -57,11 +58,9 @@ HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 REFUSAL_PERIOD = 1.0  # s
-OWN_TOPICS = ('joint_reference', 'drives_on')
-WRITERS_PERIOD = 0.1  # s between looks for others that publish these
 
 
-class ControllerNode(RobotNode):
+class ControllerNode(ManagedNode):
     """Follows `joint_trajectory` and publishes `joint_reference` on absolute deadlines.
 
     The loop has its own thread, unless time is simulated. Callbacks validate what comes in and put it into a
@@ -148,9 +147,10 @@ class ControllerNode(RobotNode):
             self.serve(request, partial(self._request, request, answer))
         self._offer_stops()
         self._take_over()
-        self._foreign_writers: set[str] = set()
+        if not self.active:
+            self.give_up()
         if self.participant is None:
-            self.create_timer(WRITERS_PERIOD, self._look_for_writers)
+            ForeignWriters(self, self._control)
         self._report_due = self.create_guard_condition(self.look_after_health)
         self._executor_priority = priority - 1
 
@@ -200,7 +200,7 @@ class ControllerNode(RobotNode):
         if self.simulated_time and control.feedback_due:
             self._position = self._take_feedback()
         reference = control.step(now, self._position)
-        if reference is not None:
+        if reference is not None and (self.active or not self._controller.standing):
             self._references.publish(reference, now)
         control.report()
         self._zones.publish_claims()
@@ -248,7 +248,7 @@ class ControllerNode(RobotNode):
                 **state.values,
             )
         )
-        if state.fault and state.drives_on:
+        if state.fault not in (None, Fault.DEACTIVATED) and state.drives_on:
             self.journal.error(f'stopped: {state.reason}')
 
     def run_enabled(self, *, enabled: bool) -> None:
@@ -269,6 +269,8 @@ class ControllerNode(RobotNode):
                 self._report_due.trigger()
 
     def _condition(self) -> tuple[bytes, str]:
+        if not self.active:
+            return DiagnosticStatus.WARN, INACTIVE
         if self._controller.state is ControllerState.WAITING:
             return DiagnosticStatus.WARN, 'waiting for joint_states'
         if self._controller.stops.latched:
@@ -340,16 +342,6 @@ class ControllerNode(RobotNode):
             if name == 'lua_program_node':
                 self._commanders.give_back(Commander.PROGRAM)
 
-    def _look_for_writers(self) -> None:
-        """Stop while another node writes to the drives: not all drives can tell its references apart."""
-        writers = {name for topic in OWN_TOPICS for name in publishers_of(self, topic).values()}
-        # What a restart has left behind has this name.
-        foreign = writers - {self.get_fully_qualified_name()}
-        if foreign != self._foreign_writers:
-            reason = f'{", ".join(sorted(foreign))} publishes {" or ".join(OWN_TOPICS)}'
-            self._control.watch(Fault.FOREIGN_WRITER, reason if foreign else '')
-        self._foreign_writers = foreign
-
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(
             Fault.EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else ''
@@ -362,6 +354,14 @@ class ControllerNode(RobotNode):
     def _on_contact(self, message: DiagnosticStatus) -> None:
         if message.level != DiagnosticStatus.OK:
             self._control.trip(Fault.CONTACT, message.message)
+
+    def activate(self) -> None:
+        """See `ManagedNode`."""
+        self._control.release(Fault.DEACTIVATED)
+
+    def give_up(self) -> None:
+        """See `ManagedNode`."""
+        self._control.watch(Fault.DEACTIVATED, f'{self.get_name()} is not active')
 
     def _stop_at_once(self) -> str:
         self._control.trip(Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')

@@ -97,6 +97,13 @@ def _transition(name: str, number: int) -> Member:
     return Member(name, number, 'object', 'ua:TransitionType')
 
 
+_DIRECTORY_METHODS: Final = (
+    Member('ua:CreateDirectory', 7015, 'method'),
+    Member('ua:CreateFile', 7016, 'method'),
+    Member('ua:Delete', 7017, 'method'),
+    Member('ua:MoveOrCopy', 7018, 'method'),
+)
+
 OBJECT_TYPES: Final[Mapping[str, ObjectType]] = {
     'di:TopologyElementType': ObjectType(
         1001,
@@ -196,6 +203,9 @@ OBJECT_TYPES: Final[Mapping[str, ObjectType]] = {
             _folder('Components', 17252, optional=True),
             _folder('Software', 15800),
             _folder('TaskControls', 15826),
+            Member(
+                'Programs', 5054, 'object', 'ua:FileDirectoryType', optional=True, members=_DIRECTORY_METHODS
+            ),
             _parameters(5004, Member('StartUpTime', 15366, 'variable', 'ua:DateTime', optional=True)),
         ),
     ),
@@ -250,8 +260,11 @@ OBJECT_TYPES: Final[Mapping[str, ObjectType]] = {
         'OperationStateMachineType',
         (
             Member('ReadySubstateMachine', 5039, 'object', 'ReadySubstateMachineType', optional=True),
+            Member('LoadByNodeId', 7010, 'method', optional=True),
             Member('LoadByName', 7011, 'method', optional=True),
             Member('UnloadProgram', 7012, 'method', optional=True),
+            Member('UnloadByNodeId', 7013, 'method', optional=True),
+            Member('UnloadByName', 7014, 'method', optional=True),
         ),
     ),
     'ReadySubstateMachineType': ObjectType(

@@ -159,6 +159,14 @@ class Instances:
                 )
         writer.server.iserver.isession.add_method_callback(self.id(path), callback)
 
+    async def delete(self, path: str) -> None:
+        """Delete an object and the variables that were added below it."""
+        below = [one for one in self._types if one.startswith(f'{path}/')]
+        await self._writer.delete(self.id(path), map(self.id, below))
+        for one in below:
+            del self._types[one]
+            self._values.pop(one, None)
+
     async def write(self, path: str, value: Any) -> None:
         """Give a variable a value, and its parts theirs; nothing happens if it has it.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from asyncua import ua
@@ -17,6 +17,8 @@ from robots_controller.opcua.companion_types import (
     Member,
 )
 
+NAMESPACE: Final = 'urn:robots:cell'
+"""Of the nodes of the robot."""
 PARTS: Final[Mapping[str, tuple[tuple[str, Kind, str], ...]]] = {
     'ua:AnalogUnitType': (('EngineeringUnits', 'property', 'EUInformation'),),
     'ua:MultiStateValueDiscreteType': (
@@ -54,7 +56,7 @@ class NodeWriter:
 
     Args:
         server: An initialised server of asyncua.
-        own: Index of the namespace of instances.
+        own: Index of `NAMESPACE`, that of instances.
     """
 
     def __init__(self, server: Any, own: int) -> None:
@@ -121,6 +123,19 @@ class NodeWriter:
             item.TypeDefinition = self.type_id(type_name)
         (result,) = await self.server.iserver.isession.add_nodes([item])
         result.StatusCode.check()
+
+    def own_node(self, given: ua.NodeId) -> ua.NodeId | None:
+        """The node of an id, which may be expanded; None where it is not of the own namespace and server."""
+        uri, server = getattr(given, 'NamespaceUri', None), getattr(given, 'ServerIndex', None)
+        own = uri == NAMESPACE if uri else given.NamespaceIndex == self.own
+        return ua.NodeId(given.Identifier, self.own) if own and not server else None
+
+    async def delete(self, node: ua.NodeId, below: Iterable[ua.NodeId]) -> None:
+        """Delete a node, and first those below it, which nothing else refers to."""
+        items = [ua.DeleteNodesItem(one, DeleteTargetReferences=False) for one in below]
+        items.append(ua.DeleteNodesItem(node))
+        for status in await self.server.iserver.isession.delete_nodes(ua.DeleteNodesParameters(items)):
+            status.check()
 
     async def refer(self, source: ua.NodeId, reference: str, target: ua.NodeId) -> None:
         """Add a reference, and its inverse."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime as dt
 from fractions import Fraction
 from importlib.metadata import version
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from robots_controller.opcua.companion_types import DEVICE_SET, DI, Member, enum
 from robots_controller.opcua.engineering_units import engineering_unit
 from robots_controller.opcua.instances import Instances
 from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.program_nodes import ProgramNodes
 from robots_controller.opcua.server_settings import Nameplate
 from robots_controller.opcua.task_nodes import TaskNodes
 from robots_controller.opcua.type_nodes import add_types
@@ -35,6 +37,8 @@ MODES: Final = {
     OperatingMode.REMOTE: 'AUTOMATIC_EXTERNAL',
     None: 'OTHER',
 }
+CONTROLLER_PARTS: Final = ('Components', 'ParameterSet', 'Programs', 'StartUpTime')
+"""Optional ones that it has."""
 RANGE: Final = Member('ua:EURange', 0, 'property', 'ua:Range')
 LARGEST_RATE: Final = 65535  # of an UInt16
 LARGEST_DENOMINATOR: Final = 10_000
@@ -48,9 +52,17 @@ class RobotNodes:
         namespace: Index of the namespace of the robot.
         robot: The robot.
         nameplate: What its maker says of it.
+        programs: Folder of the robot programs.
     """
 
-    def __init__(self, server: object, namespace: int, robot: BaseRobotModel, nameplate: Nameplate) -> None:
+    def __init__(
+        self,
+        server: object,
+        namespace: int,
+        robot: BaseRobotModel,
+        nameplate: Nameplate,
+        programs: Path,
+    ) -> None:
         self._writer = NodeWriter(server, namespace)
         self.instances: Final = Instances(self._writer)
         self._robot, self._plate = robot, nameplate
@@ -58,8 +70,9 @@ class RobotNodes:
         self._device = f'{SYSTEM}/MotionDevices/{device}'
         self._controller = f'{SYSTEM}/Controllers/Controller'
         self._safety = f'{SYSTEM}/SafetyStates/SafetyState'
+        self._programs = ProgramNodes(self.instances, self._writer, f'{self._controller}/Programs', programs)
         self.task: Final = TaskNodes(
-            self.instances, self._writer, f'{self._controller}/TaskControls/TaskControl'
+            self.instances, self._writer, f'{self._controller}/TaskControls/TaskControl', self._programs
         )
         self.channels: Final = ChannelNodes(
             self.instances, namespace, f'{self._controller}/Components/InputsAndOutputs'
@@ -112,6 +125,7 @@ class RobotNodes:
         await made.write(f'{self._controller}/CurrentUser/Level', state.commander.value)
         await self.task.update(state.program)
         await self.channels.update(state.io)
+        await self._programs.update()
 
     # -- the robot ----------------------------------------------------------------------------------------
 
@@ -187,7 +201,7 @@ class RobotNodes:
     async def _add_controller(self) -> None:
         made, path = self.instances, self._controller
         parent = made.id(f'{SYSTEM}/Controllers')
-        await made.add(path, 'ControllerType', parent, optional=('Components', 'ParameterSet', 'StartUpTime'))
+        await made.add(path, 'ControllerType', parent, optional=CONTROLLER_PARTS)
         await made.write(f'{path}/Manufacturer', 'Robots')
         await made.write(f'{path}/Model', 'robots_controller')
         await made.write(f'{path}/ParameterSet/StartUpTime', dt.datetime.now(dt.UTC))
@@ -198,6 +212,7 @@ class RobotNodes:
         await made.write(f'{software}/SoftwareRevision', version('robots_controller'))
         await self.task.build(made.id(f'{path}/TaskControls'), made.id(self._device))
         await self.channels.build(made.id(f'{path}/Components'))
+        await self._programs.build()
 
     async def _write_plate(self, path: str) -> None:
         plate = self._plate

@@ -13,6 +13,7 @@ from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPoli
 
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
 from robots_controller.io.plant.opcua_map import MODES, POLICIES
+from robots_controller.opcua.node_writer import NAMESPACE
 from robots_controller.opcua.robot_nodes import RobotNodes
 from robots_controller.opcua.robot_port import RobotPort
 from robots_controller.opcua.server_access import NOBODY, ServerAccess, application_uri
@@ -23,8 +24,6 @@ from robots_core.errors import InvalidInputError
 from robots_core.free_port import free_port
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
-NAMESPACE: Final = 'urn:robots:cell'
-"""Of the nodes of the robot."""
 PORTS: Final = (1, 65535)
 
 
@@ -68,6 +67,7 @@ class RobotServer:
         logging.getLogger('asyncua').setLevel(logging.CRITICAL)
         self.url: Final = f'opc.tcp://{host}:{tcp_port}'
         self._robot, self._port, self._settings, self._told = robot, port, settings, told
+        self._programs = programs
         self._access = ServerAccess(settings, told)
         self._state = PendantState()
         self._control = TaskControl(port, programs, lambda: self._state, told)
@@ -117,7 +117,7 @@ class RobotServer:
             server.set_certificate_validator(self._access.check_certificate)
         server.set_security_policy(policies, permission_ruleset=self._access)
         namespace = await server.register_namespace(NAMESPACE)
-        self._nodes = RobotNodes(server, namespace, self._robot, settings.nameplate)
+        self._nodes = RobotNodes(server, namespace, self._robot, settings.nameplate, self._programs)
         await self._nodes.build()
         await self._nodes.task.link(self._control)
         server.subscribe_server_callback(CallbackType.PostWrite, self._on_written)

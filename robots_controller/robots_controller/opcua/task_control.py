@@ -71,6 +71,8 @@ class TaskControl:
         told: Callable[[str], object],
     ) -> None:
         self._port, self._programs, self._state, self._told = port, programs, state, told
+        self._loaded: tuple[str, PendantState | None] = '', None
+        """The program that was loaded here last, and what was known of the cell before."""
 
     def start(self) -> Status:
         """Run the program, or continue it where it was held."""
@@ -103,20 +105,53 @@ class TaskControl:
             )
         return self._call('Stop', STOP_SERVICES[StopMode(mode)])
 
+    def name(self, path: str) -> str:
+        """How LoadByName names a program; its file's name where it is not of the folder."""
+        file = Path(path).resolve() if path else Path()
+        return str(file.relative_to(self._programs)) if file.is_relative_to(self._programs) else file.name
+
     def load(self, name: str) -> Status:
         """Open a program of the folder.
 
         Raises:
             InvalidInputError: it has none of that name.
         """
+        self._check(name)
+        status = self._done('Load', lambda: self._port.open_program(str(self._programs / name)))
+        if status is Status.OK:
+            self._loaded = name, self._state()
+        return status
+
+    def unload(self, name: str | None = None) -> Status:
+        """Close the program, so that none is loaded.
+
+        Args:
+            name: Of the program that is closed only if it is loaded; by default the one that is.
+
+        Raises:
+            InvalidInputError: a name that is neither loaded nor in the folder.
+        """
+        loaded = self._loaded_name()
+        if name is not None and (not loaded or name != loaded):
+            self._check(name)
+            self._told(
+                f'Unload is refused: {name!r} is not loaded; {f"{loaded!r} is" if loaded else "none is"}'
+            )
+            return Status.SYSTEM_STATE
+        return self._call('Unload', 'close')
+
+    def _loaded_name(self) -> str:
+        """The program that is loaded, '' for none: one that a client has just loaded may not be shown yet."""
+        state = self._state()
+        name, shown = self._loaded
+        if shown is state:
+            return name
+        return '' if state.program.state is RunState.IDLE else self.name(state.program.path)
+
+    def _check(self, name: str) -> None:
         if name not in (found := program_files(self._programs)):
             some = ', '.join(found[:10]) or 'none'
             raise InvalidInputError(f'there is no program {name!r} in {self._programs}; there are {some}')
-        return self._done('LoadByName', lambda: self._port.open_program(str(self._programs / name)))
-
-    def unload(self) -> Status:
-        """Close the program, so that none is loaded."""
-        return self._call('UnloadProgram', 'close')
 
     def reset(self) -> Status:
         """Set the program to its start."""

@@ -10,7 +10,9 @@ from asyncua import ua
 
 from robots_controller.opcua.companion_types import TRANSITION_REASONS, enumeration_value
 from robots_controller.opcua.instances import INACTIVE, Instances, argument
+from robots_controller.opcua.method_calls import answered, out_of_range, wrong_arguments
 from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.program_nodes import ProgramNodes
 from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
 from robots_controller.opcua.transition_events import TransitionEvents
 from robots_controller.pendant.pendant_state import ShownProgram
@@ -34,15 +36,17 @@ class TaskNodes:
         instances: Where they are added.
         writer: Of the address space.
         path: Of the TaskControl.
+        programs: The nodes of the programs.
     """
 
-    def __init__(self, instances: Instances, writer: NodeWriter, path: str) -> None:
-        self._made, self._writer = instances, writer
+    def __init__(self, instances: Instances, writer: NodeWriter, path: str, programs: ProgramNodes) -> None:
+        self._made, self._writer, self._programs = instances, writer, programs
         self.path: Final = path
         self._machine = f'{path}/TaskControlOperation/TaskControlStateMachine'
         self._ready = f'{self._machine}/ReadySubstateMachine'
         self._states: dict[str, str] = {}
         self._from_outside = False
+        self._name: Callable[[str], str] = str
         self._events = TransitionEvents(instances, writer, PROGRAM)
 
     async def build(self, parent: ua.NodeId, device: ua.NodeId) -> None:
@@ -71,49 +75,45 @@ class TaskNodes:
     async def link(self, control: TaskControl) -> None:
         """Add the methods."""
         name = argument('Name', ua.VariantType.String, 'file of the program, below the folder of programs')
+        node = argument('Id', ua.VariantType.ExpandedNodeId, 'file of the program, below Programs')
         mode = argument('StopMode', ua.VariantType.Int64, '0, or one of PossibleStopModes')
+        program = self._programs.program
         methods: tuple[tuple[str, list[ua.Argument], Callable[..., int]], ...] = (
             (f'{self._machine}/Start', [], control.start),
             (f'{self._machine}/Stop', [mode], control.stop),
             (f'{self._machine}/LoadByName', [name], control.load),
+            (f'{self._machine}/LoadByNodeId', [node], lambda id_: control.load(program(id_))),
             (f'{self._machine}/UnloadProgram', [], control.unload),
+            (f'{self._machine}/UnloadByName', [name], control.unload),
+            (f'{self._machine}/UnloadByNodeId', [node], lambda id_: control.unload(program(id_))),
             (f'{self._ready}/ResetToProgramStart', [], control.reset),
         )
         for path, inputs, work in methods:
             await self._made.add_method(path, inputs, self._answering(inputs, work))
+        self._name = control.name
 
     def _answering(self, inputs: list[ua.Argument], work: Callable[..., int]) -> Callable[..., Any]:
+        kinds = [ua.VariantType(one.DataType.Identifier) for one in inputs]
+
         async def answer(_node: ua.NodeId, *given: ua.Variant) -> Any:
-            if len(given) != len(inputs):
-                missing = len(given) < len(inputs)
-                codes = ua.StatusCodes
-                return ua.StatusCode(codes.BadArgumentsMissing if missing else codes.BadTooManyArguments)
-            result = ua.CallMethodResult()
-            result.InputArgumentResults = [
-                ua.StatusCode(0 if _is(one, kind) else ua.StatusCodes.BadTypeMismatch)
-                for one, kind in zip(given, inputs, strict=True)
-            ]
-            if not all(status.is_good() for status in result.InputArgumentResults):
-                result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
-                return result
+            wrong = wrong_arguments(kinds, given)
+            if wrong is not None:
+                return wrong
             self._from_outside = True
             try:
                 status = await asyncio.to_thread(work, *(one.Value for one in given))
             except InvalidInputError:
                 self._from_outside = False
-                result.InputArgumentResults = [ua.StatusCode(ua.StatusCodes.BadOutOfRange)]
-                result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
-                return result
+                return out_of_range(len(given))
             self._from_outside = status == 0
-            result.OutputArguments = [ua.Variant(int(status), ua.VariantType.Int32)]
-            return result
+            return answered(ua.Variant(int(status), ua.VariantType.Int32))
 
         return answer
 
     async def update(self, program: ShownProgram) -> None:
         """Give the nodes the values of the program's state."""
         made = self._made
-        await made.write(f'{self.path}/ParameterSet/TaskProgramName', program.path.rpartition('/')[2])
+        await made.write(f'{self.path}/ParameterSet/TaskProgramName', self._name(program.path))
         await made.write(f'{self.path}/ParameterSet/TaskProgramLoaded', program.state is not RunState.IDLE)
         reason = REASONS.get(program.state, 'External' if self._from_outside else 'Direct')
         changed = await self._enter(
@@ -150,12 +150,6 @@ class TaskNodes:
         path = f'{machine}/LastTransitionReason'
         await self._made.write(path, TRANSITION_REASONS.index(reason))
         await self._made.write(f'{path}/ValueAsText', reason)
-
-
-def _is(given: ua.Variant, kind: ua.Argument) -> bool:
-    return (
-        ua.NodeId(given.VariantType.value) == kind.DataType and given.Value is not None and not given.is_array
-    )
 
 
 def _enum_value(number: int, text: str) -> ua.EnumValueType:

@@ -24,10 +24,11 @@ from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_state_stream import JointStateStream
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.reference_reader import ReferenceReader
-from robots_core.ros.robot_node import PRIORITIES, RobotNode
+from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
@@ -41,7 +42,7 @@ FAULTS = {
 }
 
 
-class DriveNode(RobotNode):
+class DriveNode(ManagedNode):
     """The drives in the place of a real robot, stepped in real time, at the level of parameter `level`.
 
     `rigid_body` feels `measured_wrench` on the tool, and reports the torques of the motors, as effort. The
@@ -111,7 +112,8 @@ class DriveNode(RobotNode):
         # Only drives with masses feel what presses on the tool.
         masses = level == 'rigid_body'
         self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench') if masses else None
-        self._problem = ''
+        self._problem: str | None = None  # not reported yet
+        self._powered = True
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous
         self._bodies: RendezvousTopics | None = None
@@ -129,7 +131,7 @@ class DriveNode(RobotNode):
         self._loop = self.start_loop(
             self._step, period=self._period, name='drives', realtime_priority=priority
         )
-        self.ready(**self._figures)
+        self._report_problem()
 
     def _declare_faults(self) -> None:
         check = partial(known_axes, self.robot.axes_data.names)
@@ -172,7 +174,8 @@ class DriveNode(RobotNode):
         self._feel()
         power = self._power.take()
         if power is not None:
-            self._supervised.power(on=power.data)
+            self._powered = power.data
+        self._supervised.power(on=self._powered and self.active)
         if self._bodies is not None:
             self._bodies.before_step()
         message = self._references.take()
@@ -185,6 +188,11 @@ class DriveNode(RobotNode):
             self._bodies.after_step()
         self._report_problem()
 
+    @property
+    def moving(self) -> bool:
+        """The axes move, or are moved."""
+        return not self._supervised.standing
+
     def _report_grasp(self, report: str, refused: bool) -> None:  # noqa: FBT001  # a callback
         if refused:
             self.journal.warning(report)
@@ -192,7 +200,7 @@ class DriveNode(RobotNode):
             self.journal.info(report)
 
     def _report_problem(self) -> None:
-        problem = self._supervised.problem
+        problem = self._supervised.problem if self.active else INACTIVE
         if problem == self._problem:
             return
         self._problem = problem

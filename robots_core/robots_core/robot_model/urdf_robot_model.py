@@ -25,6 +25,7 @@ from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
+from robots_core.robot_model.urdf.named_base import note_other_base
 from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_inertia import check_inertia
@@ -117,6 +118,7 @@ class UrdfRobotModel(BaseRobotModel):
         self._description = with_absolute_meshes(
             chain.xml, path.parent, None if substitutions.strict else substitutions
         )
+        note_other_base(model, chain.base, substitutions)
         self._substitutions = substitutions
         self._model = model
         self._data = model.createData()

@@ -72,8 +72,8 @@ class IoBridge:
             for arrival in port.arrivals():
                 touched += self._receive(arrival, now)
             lost = port.lost()
-            flood = f'{name}: {lost} values came faster than they could be taken; lost' if lost else ''
-            self.problems.set(f'flood {name}', flood, now, lost=lost)
+            flood = f'{name}: values came faster than they could be taken; at least {lost} lost'
+            self.problems.set(f'flood {name}', flood if lost else '', now, lost=lost)
             self.problems.replace(f'port {name} ', port.problems(), now)
         if now >= self._due:
             self._due = math.inf

@@ -21,12 +21,14 @@ class Arrival:
         value: The value as it came; None where there is a problem instead.
         problem: Why there is no value, '' for none.
         stamp: When the source measured the value, s since 1970; NaN where it is not stated.
+        lost: Earlier values of the place that the partner says it could not send.
     """
 
     place: Place
     value: object = None
     problem: str = ''
     stamp: float = math.nan
+    lost: int = 0
 
 
 class IoPort(Protocol):
@@ -39,7 +41,7 @@ class IoPort(Protocol):
         """What came since the last call, in order."""
 
     def lost(self) -> int:
-        """Values since the last call that came faster than they could be taken."""
+        """Values since the last call that came faster than they could be sent or taken, at least."""
 
     def send(self, values: Mapping[Place, Number]) -> None:
         """Write values, in this order and after those of earlier calls.

@@ -7,12 +7,14 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
 from robots_controller.io.bridge.io_port import Arrival, Number
 from robots_controller.io.bridge.place import Place
+from robots_controller.io.plant.opcua_frames import FrameGuard
 from robots_controller.io.plant.opcua_map import MODES, POLICIES, OpcuaServer
 from robots_controller.io.plant.plant_link import LinkError, library
 
@@ -21,6 +23,12 @@ MOST_NODES: Final = 500
 QUEUE: Final = 10
 """Changes of a variable that the server keeps between two messages."""
 SHORTEST_CHECK: Final = 0.05  # s
+SEVERITY: Final = 0xC000_0000
+CODE: Final = 0xFFFF_0000
+INFO_TYPE: Final = 0x0000_0C00
+DATA_VALUE: Final = 0x0000_0400
+OVERFLOW: Final = 0x0000_0080
+"""Bits of a status (OPC 10000-4): good if none of the severity is set; `OVERFLOW` is of data values."""
 
 VARIANTS: Final = {
     'boolean': 'Boolean',
@@ -54,6 +62,8 @@ class OpcuaLink:
         self._hear: Callable[[Iterable[Arrival]], None] = lambda _: None
         self._heard: dict[Any, Arrival] = {}
         """The newest of each place; from the thread of asyncua alone after the connection is open."""
+        self._ended = ''
+        self._frames = FrameGuard()
 
     def kind(self, place: Any) -> str:
         """Type of the number at a place."""
@@ -61,14 +71,17 @@ class OpcuaLink:
 
     def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect and subscribe."""
-        server, self._hear, self._heard = self._server, hear, {}
+        server, self._hear, self._heard, self._ended = self._server, hear, {}, ''
         with self._answering():
             # The client's own waiting ends after that of its requests.
             self._client = self._sync.Client(
                 server.endpoint,
                 timeout=server.response_timeout,
                 sync_wrapper_timeout=4 * server.response_timeout,
+                watchdog_intervall=server.response_timeout,
             )
+            self._frames = FrameGuard()
+            self._frames.watch(self._client.aio_obj.uaclient)
             self._secure()
             self._client.connect()
             self._nodes = {
@@ -102,6 +115,8 @@ class OpcuaLink:
 
     def read(self, now: float) -> float:
         """Check that the server answers: variables of which no change has arrived are as they were then."""
+        if self._ended:
+            raise LinkError(self._ended)
         with self._answering():
             self._client.nodes.server_state.read_value()
             if self._heard:
@@ -127,15 +142,25 @@ class OpcuaLink:
         """A variable has changed; called by asyncua in its thread."""
         found = data.monitored_item.Value
         stamp = math.nan if found.SourceTimestamp is None else found.SourceTimestamp.timestamp()
+        code = 0 if found.StatusCode is None else found.StatusCode.value
+        # The server says that its queue was full, not how much it has dropped.
+        lost = int(code & OVERFLOW == OVERFLOW and code & INFO_TYPE == DATA_VALUE)
         for place in self._places.get(node.nodeid, ()):
-            if found.StatusCode is not None and not found.StatusCode.is_good():
-                self._take(Arrival(place, problem=f'{place.text}: {found.StatusCode.name}'))
+            if code & SEVERITY:
+                name = self._ua.StatusCode(code & CODE).name
+                self._take(Arrival(place, problem=f'{place.text}: {name}', lost=lost))
             else:
                 value = None if found.Value is None else found.Value.Value
-                self._take(Arrival(place, value, stamp=stamp))
+                self._take(Arrival(place, value, stamp=stamp, lost=lost))
+            lost = 0
+
+    def status_change_notification(self, change: Any) -> None:
+        """The subscription has ended or is about to; called by asyncua in its thread."""
+        if not change.Status.is_good():
+            self._ended = f'the subscription has ended: {change.Status.name}'
 
     def _take(self, arrival: Arrival) -> None:
-        self._heard[arrival.place] = arrival
+        self._heard[arrival.place] = replace(arrival, lost=0) if arrival.lost else arrival
         self._hear([arrival])
 
     async def _hear_again(self) -> None:
@@ -181,7 +206,7 @@ class OpcuaLink:
         except (TimeoutError, concurrent.futures.TimeoutError) as error:
             raise LinkError(f'no answer within {self._server.response_timeout:g} s') from error
         except (OSError, self._ua.UaError) as error:
-            reason = str(error).strip() or type(error).__name__
+            reason = self._frames.refused or str(error).strip() or type(error).__name__
             raise LinkError(f'{self._server.endpoint}: {reason}') from error
 
 

@@ -56,7 +56,8 @@ class PlantConnection:
         self._arrivals: deque[Arrival] = deque()
         self._lost_arrivals = 0
         self._news: list[str] = []
-        self._problems: dict[str, str] = {'connection': self._down}
+        # Another problem than that of a connection that fails, whose reason is logged then.
+        self._problems: dict[str, str] = {'start': self._down}
         self._thread = Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
@@ -77,7 +78,7 @@ class PlantConnection:
         return arrivals
 
     def lost(self) -> int:
-        """Values since the last call that came faster than they could be taken."""
+        """Values since the last call that came faster than they could be sent or taken, at least."""
         with self._changed:
             lost, self._lost_arrivals = self._lost_arrivals, 0
         return lost
@@ -173,7 +174,9 @@ class PlantConnection:
     def _hear(self, arrivals: Iterable[Arrival]) -> None:
         with self._changed:
             quiet = not self._arrivals
-            self._arrivals.extend(arrivals)
+            for arrival in arrivals:
+                self._arrivals.append(arrival)
+                self._lost_arrivals += arrival.lost
             while len(self._arrivals) > MOST_ARRIVALS:
                 self._arrivals.popleft()
                 self._lost_arrivals += 1

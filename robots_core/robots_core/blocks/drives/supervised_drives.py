@@ -78,6 +78,11 @@ class SupervisedDrives:
         """The brakes are closed."""
         return self.state is DriveState.BRAKED
 
+    @property
+    def standing(self) -> bool:
+        """The axes stand, and nothing moves them."""
+        return self._slow(self.drives.velocity) and not self._q_dot.any()
+
     def power(self, *, on: bool) -> None:
         """Switch the drives on or off; off, they ramp down and brake."""
         if on and not self._on:
@@ -186,8 +191,10 @@ class SupervisedDrives:
 
     def _may_brake(self, velocity: Array) -> bool:
         silent = not self._on or self._watchdog.lost
-        slow = (np.abs(velocity) <= STANDING * self._axes.velocity).all()
-        return silent and bool(slow) and not self._q_dot.any()
+        return silent and self._slow(velocity) and not self._q_dot.any()
+
+    def _slow(self, velocity: Array) -> bool:
+        return bool((np.abs(velocity) <= STANDING * self._axes.velocity).all())
 
     def _brake(self) -> None:
         self.drives.rest()
