@@ -22,7 +22,7 @@ import numpy as np
 import rclpy
 from browser_page import browser, open_page, press, take_control
 from geometry_msgs.msg import TwistStamped
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, CDPSession, Page
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -249,14 +249,24 @@ def memory(pid: int) -> float:
     return 0.0 if found is None else 1024.0 * int(found[1]) / MEGABYTE
 
 
-def growth(child: subprocess.Popen[bytes], duration: float) -> tuple[MemoryFigures, ...]:
-    """Memory of browser and node while one page is open."""
+def page_memory(session: CDPSession) -> float:
+    """MB that the scripts of a page hold; what nothing refers to is collected before."""
+    session.send('HeapProfiler.collectGarbage')
+    metrics = session.send('Performance.getMetrics')['metrics']
+    return next(one['value'] for one in metrics if one['name'] == 'JSHeapUsedSize') / MEGABYTE
+
+
+def growth(child: subprocess.Popen[bytes], page: Page, duration: float) -> tuple[MemoryFigures, ...]:
+    """Memory of browser, page and node while one page is open."""
+    session = page.context.new_cdp_session(page)
+    session.send('Performance.enable')
     began, samples = time.monotonic(), []
     period = max(1.0, duration / 360.0)
     while (now := time.monotonic() - began) < duration:
         node = node_pids(child.pid)['pendant_node']
-        samples.append((now, {'browser': browser_memory(), 'pendant_node': memory(node)}))
-        time.sleep(period)
+        held = {'scripts of the page': page_memory(session)}
+        samples.append((now, held | {'browser': browser_memory(), 'pendant_node': memory(node)}))
+        page.wait_for_timeout(1e3 * period)
     return memory_figures(samples)
 
 
@@ -287,7 +297,7 @@ def main() -> None:
         page.context.close()
         alone, watched = lateness(node, running, url, options.seconds, options.rounds)
         page = open_page(running, url)
-        grown = growth(child, options.duration)
+        grown = growth(child, page, options.duration)
         page.context.close()
     ours, peer = float(np.median(pressed)), float(np.median(sent))
     without, within = (1e3 * float(np.percentile(late, 99.0)) for late in (alone, watched))
