@@ -13,7 +13,7 @@ import numpy as np
 
 from mujoco_model import mujoco_model
 from robots_controller.controller_six_axes import ControllerSixAxes
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.simulation.record.events import TextPrinted
 from robots_core import load_robot_model
 from robots_core.blocks.multibody.function_dynamics import FunctionDynamics

@@ -22,7 +22,7 @@ setup(
         f'{package_name}.interpreter.lua_side': ['*.lua'],
         f'{package_name}.report.page': ['*.js', '*.css', '*.html'],
         f'{package_name}.pendant': ['texts/*.yaml'],
-        f'{package_name}.pendant.page': ['*.js', '*.css', '*.html'],
+        f'{package_name}.pendant.page': ['*.js', '*.css', 'access/*.html'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
@@ -45,7 +45,7 @@ setup(
         'console_scripts': [
             'robots = robots_controller.commands.robots:main',
             'cell = robots_controller.commands.command_table:CELL.main',
-            'composed_nodes = robots_controller.live_cell.composed_nodes:main',
+            'composed_nodes = robots_controller.live_cell.processes.composed_nodes:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
             'force_control_node = robots_controller.nodes.force_control_node:main',
             'wheel_soil_node = robots_controller.nodes.wheel_soil_node:main',

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from package_of_test import PACKAGES, package_of_test
-from robots_core.ros.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
+from robots_core.ros.running.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
 from ros_domains import reserved_domain
 
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ class NodeRunner:
     """
 
     def __init__(self, context: Context) -> None:
-        from robots_core.ros.lean_executor import LeanExecutor  # noqa: PLC0415
+        from robots_core.ros.running.lean_executor import LeanExecutor  # noqa: PLC0415
 
         self.context = context
         self._executor = LeanExecutor(context=context)

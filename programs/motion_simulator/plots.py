@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from drawing.figures import COLOURS, drawing_style, plot_parser, recorded, save, title_and_legend
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.simulate import simulate
 from robots_core.blocks import Payload, VehicleMotion
 from robots_core.blocks.motion_cueing.cabin_envelope import DIRECTIONS

@@ -8,7 +8,7 @@ from typing import Self
 
 from numpy.typing import ArrayLike
 
-from robots_controller.control.stop_latch import StopState
+from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.io.io_image import Channel
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback

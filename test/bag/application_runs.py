@@ -12,7 +12,7 @@ from typing import Final
 
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.simulate import simulate

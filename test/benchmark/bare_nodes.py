@@ -19,7 +19,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from robots_core.ros.message_class import message_class
-from robots_core.ros.middleware import choose_transports
+from robots_core.ros.running.middleware import choose_transports
 
 
 class BareNode(Node):

@@ -28,7 +28,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from node_pids import node_pids
 from robots_core.ros.message_class import message_class
-from robots_core.ros.middleware import choose_transports
+from robots_core.ros.running.middleware import choose_transports
 
 CELL = Path('install/robots_controller/lib/robots_controller/cell')
 BARE = Path(__file__).with_name('bare_nodes.py')

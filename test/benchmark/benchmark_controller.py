@@ -34,9 +34,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
-from robots_core.realtime import IDLE_LATENCY_DEVICE
-from robots_core.ros.middleware import choose_transports
+from robots_core.periodic.realtime import IDLE_LATENCY_DEVICE
 from robots_core.ros.qos import SENSOR
+from robots_core.ros.running.middleware import choose_transports
 
 HERE = Path(__file__).parent
 MOVES = 20

@@ -37,8 +37,8 @@ from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import motion_result_from_message
-from robots_core.ros.middleware import choose_transports
 from robots_core.ros.qos import COMMAND, SENSOR, STREAM
+from robots_core.ros.running.middleware import choose_transports
 
 PATIENCE = 60.0  # s
 START_PATIENCE = 240.0  # s, of a cell that starts on a busy machine

@@ -31,8 +31,8 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.program.cell_port import DetachedCell
 from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.middleware import choose_transports
 from robots_core.ros.qos import STATE
+from robots_core.ros.running.middleware import choose_transports
 
 PATIENCE = 30.0  # s
 PROMISED = 500.0  # ms until a service of the program's node answers

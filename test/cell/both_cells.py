@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun

@@ -18,9 +18,9 @@ from typing import TextIO, cast
 from rich.console import Console
 
 from node_pids import node_pids
-from robots_controller.live_cell import fork_server
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_controller.live_cell.processes import fork_server
 
 # s, on a slow machine that is busy with other things.
 DEADLINE = 480.0

@@ -22,8 +22,8 @@ from std_srvs.srv import Trigger
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
-from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.timed_node import TimedNode
 from short_programs import PROGRAMS
 from written_bags import no_file_larger_than

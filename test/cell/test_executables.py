@@ -18,10 +18,10 @@ import pytest
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 
-from robots_controller.live_cell import fork_server
 from robots_controller.live_cell.cell_graph import NodeDescription
-from robots_controller.live_cell.node_processes import NodeProcess
-from robots_core.ros.heartbeat import HeartbeatWatch
+from robots_controller.live_cell.processes import fork_server
+from robots_controller.live_cell.processes.node_processes import NodeProcess
+from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.timed_node import TimedNode
 
 PACKAGES = ('robots_core', 'robots_planning', 'robots_controller')
@@ -148,7 +148,7 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
     del ros_domain
     lines = (
         'import sys, threading',
-        'from robots_core.ros.run import run',
+        'from robots_core.ros.running.run import run',
         'def make_node():',
         '    print("making", flush=True)',
         '    threading.Event().wait()  # a large model is loaded',
@@ -172,7 +172,7 @@ def test_a_node_that_hangs_at_its_end_is_ended(ros_domain: int) -> None:
     del ros_domain
     lines = (
         'import ctypes, sys',
-        'from robots_core.ros import run',
+        'from robots_core.ros.running import run',
         'from robots_core.ros.timed_node import TimedNode',
         'run.END_DEADLINE = 0.1',
         'class Hanging(TimedNode):',
@@ -241,7 +241,7 @@ def test_what_is_no_node_minds_its_interrupts_itself(tmp_path: Path) -> None:
 def test_the_fork_server_ends_with_its_cell_while_it_still_loads() -> None:
     server = (
         'import os, threading',
-        'import robots_controller.live_cell.parent_end',
+        'import robots_controller.live_cell.processes.parent_end',
         'print(os.getpid(), flush=True)',
         'threading.Event().wait()  # much is imported',
     )

@@ -10,8 +10,8 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STATE
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from waiting import POLL, happens
 
 SERVICE_TIME: Final = 5.0  # s

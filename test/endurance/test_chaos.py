@@ -15,7 +15,7 @@ from chaos.trial import random_trial
 from printed_tables import as_markdown
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_core import load_robot_model
-from robots_core.watchdog import WATCHDOG
+from robots_core.periodic.watchdog import WATCHDOG
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 AXES = ROBOT.axes_data

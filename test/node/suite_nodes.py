@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from robots_controller.live_cell.cell_monitor import CellMonitor
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 CABIN: Final = str(Path('programs/motion_simulator/cabin.yaml').resolve())
 CONTACT: Final = str(Path('programs/wheel_laboratory/regolith_simulant.yaml').resolve())

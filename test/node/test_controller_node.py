@@ -16,7 +16,6 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import (
     diagnostic_values,
     doubles,
@@ -24,6 +23,7 @@ from robots_core.ros.messages import (
     motion_result_from_message,
     stamp_id,
 )
+from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.timed_node import TimedNode
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robots_core.ros.heartbeat import Heartbeat, HeartbeatWatch
+from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
 from robots_core.ros.timed_node import TimedNode
 
 LONG = 60.0  # s

@@ -15,9 +15,9 @@ from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8, UInt8
 from plant_partners import ModbusPartner
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
-from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from robots_controller.live_cell.left_outputs import LeftOutputs
+from robots_controller.live_cell.processes.left_outputs import LeftOutputs
 
 from .bench import EVERY_STATE, Bench
 

@@ -30,7 +30,7 @@ from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import START, Phase
 from robots_core.ros.messages import doubles
-from robots_core.ros.presence import is_served, publishers_of, subscribers_of
+from robots_core.ros.peers.presence import is_served, publishers_of, subscribers_of
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
 

@@ -18,9 +18,9 @@ from rosgraph_msgs.msg import Clock
 
 from counted_cases import count_cases
 from robots_core import load_robot_model
-from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.running.lean_executor import LeanExecutor
 
 from .generated_messages import messages_of, nearly
 from .suite_nodes import OPTIONS, suite_nodes

@@ -12,11 +12,11 @@ QUEUED = 40
 # Prints how many bytes of the heap are in use more after the last queue than after the first ones.
 GROWTH = f"""
 import ctypes, time
-from robots_core.ros.middleware import choose_transports
+from robots_core.ros.running.middleware import choose_transports
 choose_transports()
 import rclpy
 from rclpy.qos import QoSProfile
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from std_msgs.msg import String
 
 class Heap(ctypes.Structure):

@@ -12,8 +12,8 @@ from robots_controller.live_cell.describe_nodes import described_nodes, page_tex
 from robots_controller.live_cell.node_types import node_scripts, node_type
 from robots_core.exit_codes import ExitCode
 from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
-from robots_core.ros.node_help import TABLE, help_text
-from robots_core.ros.run import run
+from robots_core.ros.running.node_help import TABLE, help_text
+from robots_core.ros.running.run import run
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'reference' / 'node_parameters.md'
 

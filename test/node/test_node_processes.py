@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from robots_controller.live_cell.cell_graph import NodeDescription
-from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.live_cell.processes.node_processes import NodeProcesses
 
 
 @pytest.mark.usefixtures('ros_domain')

@@ -16,7 +16,7 @@ from std_msgs.msg import Float64
 
 from robots_controller.io.io_image import Channel
 from robots_controller.nodes.pendant_node import PendantNode
-from robots_controller.pendant.held_button import MOVE_KEY, RUN_KEY, STEP_KEY
+from robots_controller.pendant.jog.held_button import MOVE_KEY, RUN_KEY, STEP_KEY
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
@@ -330,6 +330,6 @@ def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:
 def test_without_its_page_the_node_says_what_is_missing(
     ros_context: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, 'robots_controller.pendant.page.page_server', None)
+    monkeypatch.setitem(sys.modules, 'robots_controller.pendant.page.access.page_server', None)
     with pytest.raises(RobotsError, match=r'needs NiceGUI .*: pip install -r requirements-pendant\.txt'):
         PendantNode(context=ros_context)

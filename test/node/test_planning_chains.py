@@ -15,7 +15,7 @@ from robots_core import Pose
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
-from robots_core.ros.serialized_trajectory import SerializedTrajectory
+from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_planning import verify
 from robots_planning.commands.command_queue import WINDOW
 from robots_planning.nodes.trajectory_messages import trajectory_from_message

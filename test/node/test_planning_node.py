@@ -19,12 +19,12 @@ from std_msgs.msg import Bool
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
-from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_message,
     pose_stamped_message,
 )
+from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import STATE
 from robots_core.ros.timed_node import TimedNode
 from robots_planning import LinearCartesianLimited, MotionSettings, verify

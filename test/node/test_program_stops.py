@@ -7,8 +7,8 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
+from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import STATE
 
 from .lua_bench import MOVE, LuaBench, ignore

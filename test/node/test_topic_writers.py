@@ -16,7 +16,6 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.identified_messages import IdentifiedMessages
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.messages import (
     doubles,
@@ -25,6 +24,7 @@ from robots_core.ros.messages import (
     motion_result_message,
     stamp_id,
 )
+from robots_core.ros.peers.identified_messages import IdentifiedMessages
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
 

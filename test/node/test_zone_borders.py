@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.control.shared_zone import Claim, ZoneState, parse_zone_state
+from robots_controller.control.zones.shared_zone import Claim, ZoneState, parse_zone_state
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode

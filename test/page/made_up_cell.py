@@ -17,7 +17,7 @@ from robots_controller.interpreter.debugger import CallStack
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.motion_recording import MeasuredMotion
-from robots_controller.pendant.page.page_server import PageServer
+from robots_controller.pendant.page.access.page_server import PageServer
 from robots_controller.pendant.page.pendant_page import PendantPage
 from robots_controller.pendant.page_access import PageAccess
 from robots_controller.pendant.pendant_operator import PendantOperator

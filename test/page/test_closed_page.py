@@ -8,7 +8,7 @@ import pytest
 from nicegui import Client
 from playwright.sync_api import Browser
 
-from robots_controller.pendant.page.page_server import RECONNECT_TIMEOUT
+from robots_controller.pendant.page.access.page_server import RECONNECT_TIMEOUT
 from robots_controller.pendant.page.pendant_page import GONE_AFTER
 from robots_controller.pendant.pendant_operator import PendantOperator
 

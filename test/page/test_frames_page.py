@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.pendant.pendant_operator import PendantOperator
-from robots_controller.program.cell_frames import CellFrames, Tool, read_frames, write_frames
+from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
 from robots_core import Pose
 from robots_core.blocks import NumericalDynamics, Payload
 from robots_core.validation import Array

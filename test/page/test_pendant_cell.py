@@ -13,7 +13,7 @@ from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_controller.nodes.pendant_node import PendantNode
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, refusal
-from robots_controller.program.cell_frames import read_frames
+from robots_controller.program.files.cell_frames import read_frames
 from robots_controller.program.run_state import RunState
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode

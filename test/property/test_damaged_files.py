@@ -15,7 +15,7 @@ from robots_controller.cell.contact_setup import read_contact
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
-from robots_controller.program.cell_frames import read_frames
+from robots_controller.program.files.cell_frames import read_frames
 from robots_controller.simulate import simulate
 from robots_core import UrdfRobotModel
 from robots_core.blocks import read_scene

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.control.shared_zone import Claim, SharedZone, ZoneState, parse_zone_state
+from robots_controller.control.zones.shared_zone import Claim, SharedZone, ZoneState, parse_zone_state
 from robots_core.errors import InvalidInputError
 
 NAMES = ('/a', '/b', '/c')

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from robots_core import load_robot_model
 from robots_planning import TeachBox
-from robots_planning.teach_box import FASTEST
+from robots_planning.guidance.teach_box import FASTEST
 
 DT = 0.004
 _LOADED = {name: load_robot_model(name) for name in ('kuka_kr210_r2700', 'bello_bot', 'kinova_j2n6s300')}

@@ -9,8 +9,8 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.speed_control import SpeedControl
-from robots_controller.control.zone_guard import ZoneGuard
+from robots_controller.control.speed.speed_control import SpeedControl
+from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import PlacedBox, Zone, ZoneDetection
 from robots_core.blocks.collision.scene import Scene

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Final
 
-from robots_core.ros.middleware import LOOPBACK
+from robots_core.ros.running.middleware import LOOPBACK
 
 # Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
 DOMAIN_IDS: Final = range(1, 101)

@@ -13,7 +13,7 @@ import pytest
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program_check.program_check import check_program
 from robots_controller.simulate import simulate
 from robots_core.blocks.collision.scene_file import read_scene

@@ -9,7 +9,7 @@ import pytest
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import Fault
+from robots_controller.control.stops.faults import Fault
 from robots_core.errors import TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander

@@ -13,7 +13,7 @@ from hypothesis.extra.numpy import arrays
 
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.interpreter.argument_kinds import Sizes
-from robots_controller.program.cell_frames import CellFrames, Tool, read_frames, write_frames
+from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
 from robots_controller.program_check.program_check import check_program
 from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError, ProgramError

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from robots_controller.live_cell.node_types import node_scripts
-from robots_core.ros.node_help import TABLE
+from robots_core.ros.running.node_help import TABLE
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
 OTHERS = ('bag_recorder', 'bag_player')  # nodes without an executable of their own

@@ -10,8 +10,8 @@ import pytest
 from robots_controller.control.control_loop import STOPPED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import Fault
-from robots_controller.control.stop_latch import StopState
+from robots_controller.control.stops.faults import Fault
+from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import NotNowError, RobotsError
 from robots_core.motion_result import MotionResult

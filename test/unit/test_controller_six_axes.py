@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.control.faults import Fault, StopCategory
+from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_controller.controller_six_axes import ControllerSixAxes, ControllerStep
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc

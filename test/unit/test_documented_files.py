@@ -19,10 +19,10 @@ from robots_controller.cell.contact_setup import read_contact
 from robots_controller.cell.guide_recording import GUIDES
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
-from robots_controller.program.cell_frames import read_frames
-from robots_controller.program.persistent_values import PersistentValues
-from robots_controller.program.program_header import HEADER_FILES, read_program_header
-from robots_controller.program.taught_points import read_points
+from robots_controller.program.files.cell_frames import read_frames
+from robots_controller.program.files.persistent_values import PersistentValues
+from robots_controller.program.files.program_header import HEADER_FILES, read_program_header
+from robots_controller.program.files.taught_points import read_points
 from robots_controller.recording.bag_tolerances import read_tolerances
 from robots_controller.study.run_case import FIGURES
 from robots_controller.study.study_file import read_study

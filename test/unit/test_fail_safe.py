@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.control.faults import Fault
+from robots_controller.control.stops.faults import Fault
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
 from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map

@@ -14,7 +14,7 @@ from pendant_desk import ME, READY, Desk
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.motion_recording import MeasuredMotion, MotionRecording
 from robots_controller.pendant.pendant_operator import PendantOperator
-from robots_controller.program.cell_frames import CellFrames, Tool, read_frames, write_frames
+from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks.calibration.payload_identification import identify_payload
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics

@@ -12,8 +12,8 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.speed_control import SpeedControl
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError

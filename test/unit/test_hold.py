@@ -17,10 +17,10 @@ from robots_core.blocks.inverse_kinematics.hold import held_angle, held_by, turn
 from robots_core.errors import InvalidInputError, RobotsError, UnreachablePoseError
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_planning.guidance.teach_box import TeachBox
 from robots_planning.motion_kinds import CIRCLE, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning
-from robots_planning.teach_box import TeachBox
 
 from .simulated_program import outputs
 from .small_arms import name_of, small_arm, start_of, to_the_start

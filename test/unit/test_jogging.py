@@ -7,8 +7,8 @@ import pytest
 
 from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError, PlanningError
-from robots_planning.jogging import NOT_FOLLOWING, Jogging
-from robots_planning.teach_box import JOG_RATE
+from robots_planning.guidance.jogging import NOT_FOLLOWING, Jogging
+from robots_planning.guidance.teach_box import JOG_RATE
 
 ROBOT = load_robot_model('bello_bot')
 HOME = np.array(ROBOT.home)

@@ -9,7 +9,7 @@ import pytest
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import lua_tokens
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program_check.lua_calls import lua_calls
 from robots_controller.simulate import simulate
 

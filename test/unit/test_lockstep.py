@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_core.periodic_schedule import MAX_LATE_PERIODS, PeriodicSchedule
+from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS, PeriodicSchedule
 from robots_core.ros.lockstep.agenda import MOST_TURNS, Agenda, LockstepError, Turn
 from robots_core.ros.lockstep.phases import NEVER, START, Phase
 from robots_core.ros.lockstep.protocol import Announcement, Endpoint, Roster, decode, encode

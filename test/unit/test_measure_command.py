@@ -11,8 +11,8 @@ import pytest
 
 from robots_controller.commands.measure_arguments import HALF_AXES
 from robots_controller.commands.robots import run
-from robots_controller.program.cell_frames import CellFrames, Tool, read_frames, write_frames
-from robots_controller.program.taught_points import TaughtPoint, write_points
+from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
+from robots_controller.program.files.taught_points import TaughtPoint, write_points
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import NumericalDynamics, Payload
 from robots_core.blocks.calibration.three_points import AXES

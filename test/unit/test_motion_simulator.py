@@ -13,7 +13,7 @@ from motion_simulator.double_lane_change import DoubleLaneChange
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin, reasons
 from motion_simulator.references import IMU_RATE, lane_change, recorded, write
 from robots_controller.commands.command_table import CHECK_PROGRAM
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun

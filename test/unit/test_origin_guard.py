@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from robots_controller.pendant.page.origin_guard import OriginGuard, is_own
+from robots_controller.pendant.page.access.origin_guard import OriginGuard, is_own
 
 
 @pytest.mark.parametrize(

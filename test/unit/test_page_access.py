@@ -9,7 +9,12 @@ from typing import Any
 import pytest
 from httpx import ASGITransport, AsyncClient, Response
 
-from robots_controller.pendant.page.password_guard import COOKIE, LARGEST_FORM, SESSION_TIME, PasswordGuard
+from robots_controller.pendant.page.access.password_guard import (
+    COOKIE,
+    LARGEST_FORM,
+    SESSION_TIME,
+    PasswordGuard,
+)
 from robots_controller.pendant.page_access import MOST_ADDRESSES, LoginAttempts, PageAccess, read_access
 from robots_core.errors import InvalidInputError, RobotsError
 

@@ -13,12 +13,12 @@ import pytest
 from pendant_desk import JOG, ME, READY, Desk
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.held_button import MOVE_KEY, RUN_KEY
-from robots_controller.pendant.jog_command import COMPONENTS, JogCommand
+from robots_controller.pendant.jog.held_button import MOVE_KEY, RUN_KEY
+from robots_controller.pendant.jog.jog_command import COMPONENTS, JogCommand
+from robots_controller.pendant.jog.press import DEADLINE
 from robots_controller.pendant.pendant_operator import SERVICES
 from robots_controller.pendant.pendant_state import JogSpeeds, PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
-from robots_controller.pendant.press import DEADLINE
 from robots_controller.pendant.texts import LANGUAGES, read_texts
 from robots_controller.program.run_state import RunState
 from robots_core import Pose, load_robot_model

@@ -14,8 +14,8 @@ from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.program_editing import save_program
 from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.texts import read_texts
-from robots_controller.program.cell_frames import CellFrames, Tool, check_frame
-from robots_controller.program.file_history import FileHistory
+from robots_controller.program.files.cell_frames import CellFrames, Tool, check_frame
+from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program.teaching import Teaching
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import MotionSamples, NumericalDynamics, Payload, identify_payload

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_controller.pendant.jog_command import JogCommand
-from robots_controller.pendant.jog_outlook import HORIZON, JogOutlook
-from robots_controller.pendant.pendant_motion import (
+from robots_controller.pendant.jog.jog_command import JogCommand
+from robots_controller.pendant.jog.jog_outlook import HORIZON, JogOutlook
+from robots_controller.pendant.jog.pendant_motion import (
     JogBasis,
     MotionPreview,
     step_command,
@@ -17,9 +17,9 @@ from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError
 from robots_core.orientation import rotation_from_vector
+from robots_planning.guidance.teach_box import TeachBox
 from robots_planning.motion_settings import MotionSettings, frame_numbers
 from robots_planning.pathplanning import PathPlanning
-from robots_planning.teach_box import TeachBox
 
 TOOL = Pose.from_angles((0.0, 0.1, 0.2), (0.3, -0.2, 0.1))
 BASE = Pose.from_angles((0.5, -0.3, 0.1), (0.4, 0.2, -0.1))

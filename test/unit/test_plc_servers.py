@@ -10,8 +10,8 @@ import pytest
 from plant_bench import PlantBench
 from plant_partners import free_port
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus_plc import ModbusPlc
-from robots_controller.io.plant.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
+from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
 from robots_core.errors import InvalidInputError
 
 MODBUS = """

@@ -10,9 +10,9 @@ import pytest
 
 from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.program.files.taught_points import read_points
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState
-from robots_controller.program.taught_points import read_points
 from robots_core import load_robot_model
 from robots_core.errors import NotNowError, ProgramError, RobotsError
 

@@ -9,7 +9,7 @@ import pytest
 from robots_controller.cell.guide_recording import read_guide_recording
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.plc_script import read_plc_script
-from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_controller.program.files.program_header import ProgramHeader, read_program_header
 from robots_controller.simulation import command_line
 from robots_core import load_robot_model
 from robots_core.blocks import read_cabin, read_orbit, read_scene

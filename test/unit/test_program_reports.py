@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate

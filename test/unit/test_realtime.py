@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from robots_core import realtime
-from robots_core.periodic_thread import PeriodicThread
-from robots_core.realtime import processor_share
+from robots_core.periodic import realtime
+from robots_core.periodic.periodic_thread import PeriodicThread
+from robots_core.periodic.realtime import processor_share
 
 # s; far more than a thread takes to start.
 PATIENCE = 20.0

@@ -7,8 +7,8 @@ from collections import deque
 import numpy as np
 import pytest
 
-from robots_controller.control.shared_zone import ZoneState
 from robots_controller.control.streamed_reference import StreamPoint
+from robots_controller.control.zones.shared_zone import ZoneState
 from robots_core.blocks import Zone
 from robots_core.errors import InvalidInputError
 from robots_planning import LinearJoint

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.control.faults import Fault, StopCategory
+from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell

@@ -10,7 +10,7 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import Fault, StopCategory
+from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_core.errors import RobotsError, TrajectoryRefusedError
 
 from .two_axes import quintic, two_axes

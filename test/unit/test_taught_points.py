@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
+from robots_controller.program.files.taught_points import TaughtPoint, read_points, write_points
 from robots_core import Pose
 from robots_core.errors import ProgramError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_core.watchdog import LOOKS, Watchdog, checked_watchdog
+from robots_core.periodic.watchdog import LOOKS, Watchdog, checked_watchdog
 
 TIMEOUT = 0.2
 STEP = TIMEOUT / LOOKS

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from robots_controller.control.controller import ControllerState
-from robots_controller.control.faults import Fault
-from robots_controller.control.zone_guard import ZoneGuard
+from robots_controller.control.stops.faults import Fault
+from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_core import Pose
 from robots_core.blocks import HalfSpace, PlacedBox, Zone
 from robots_core.blocks.collision.scene import AttachedObject, Scene

@@ -11,11 +11,11 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.speed_control import SpeedControl
-from robots_controller.control.stop_latch import StopState
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.speed.speed_control import SpeedControl
+from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_controller.control.zone_guard import ZoneGuard
+from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_core.blocks import HalfSpace, Zone
 from robots_core.blocks.collision.scene import Scene
 from robots_core.motion_result import MotionResult

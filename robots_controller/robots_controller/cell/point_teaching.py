@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState
-from robots_controller.program.taught_points import SUFFIX
 from robots_controller.program.teaching import Teaching, free_name
 from robots_core.errors import NotNowError, ProgramError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -18,16 +18,16 @@ from robots_controller.client.connection import Connection
 from robots_controller.client.io_client import IoClient
 from robots_controller.client.motion import Motion
 from robots_controller.client.program_client import ProgramClient
-from robots_controller.nodes.commanded_motions import commanded_motions
-from robots_controller.nodes.planner_client import PlannerClient
+from robots_controller.nodes.ports.commanded_motions import commanded_motions
+from robots_controller.nodes.ports.planner_client import PlannerClient
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.joint_state_reader import JointStateReader
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import make_publisher, subscribe
+from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, frame, frame_numbers

@@ -9,8 +9,8 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from robots_controller.client.cell_services import CellServices
-from robots_core.ros.lean_executor import LeanExecutor
-from robots_core.ros.middleware import choose_transports
+from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.middleware import choose_transports
 from robots_core.ros.timed_node import TimedNode
 
 

@@ -10,13 +10,13 @@ from typing import Literal, Protocol
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import Fault
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_controller.control.path_speed_cap import PathSpeedCap
-from robots_controller.control.shared_zone import ZoneState
-from robots_controller.control.stop_latch import StopState
+from robots_controller.control.speed.path_speed_cap import PathSpeedCap
+from robots_controller.control.stops.faults import Fault
+from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_controller.control.zone_border import Border
+from robots_controller.control.zones.shared_zone import ZoneState
+from robots_controller.control.zones.zone_border import Border
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robots_controller.control.blocked_motion import BlockedMotion
-from robots_controller.control.brake import Brake
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import Fault, StopCategory
-from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_controller.control.limit_guard import LimitGuard
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_following import PathFollowing
-from robots_controller.control.path_speed_cap import PathSpeedCap
-from robots_controller.control.speed_control import SpeedControl, refuse_closed
-from robots_controller.control.stop_latch import StopLatch
+from robots_controller.control.speed.path_speed_cap import PathSpeedCap
+from robots_controller.control.speed.speed_control import SpeedControl, refuse_closed
+from robots_controller.control.stops.brake import Brake
+from robots_controller.control.stops.faults import Fault, StopCategory
+from robots_controller.control.stops.feedback_watch import FeedbackWatch
+from robots_controller.control.stops.limit_guard import LimitGuard
+from robots_controller.control.stops.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
-from robots_controller.control.zone_border import Border
+from robots_controller.control.zones.zone_border import Border
 from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
@@ -31,7 +31,7 @@ from robots_planning.motion_results import BLOCKED, PASSED
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need
-    from robots_controller.control.zone_guard import ZoneGuard
+    from robots_controller.control.zones.zone_guard import ZoneGuard
 
 NO_FEEDBACK = 'no feedback from the robot: is its drive publishing joint_states?'
 

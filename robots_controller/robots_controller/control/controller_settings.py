@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from robots_core.periodic.watchdog import WATCHDOG
 from robots_core.validation import positive
-from robots_core.watchdog import WATCHDOG
 
 
 @dataclass(frozen=True, kw_only=True)

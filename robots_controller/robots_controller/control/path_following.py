@@ -5,7 +5,7 @@ import numpy as np
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.interpolator import Interpolator
-from robots_controller.control.path_speed import PathSpeed
+from robots_controller.control.speed.path_speed import PathSpeed
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_controller.io.io_image import IoImage
-from robots_controller.program.cell_frames import FrameKind
+from robots_controller.program.files.cell_frames import FrameKind
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_model.analytic.configuration import CONFIGURATIONS

@@ -15,13 +15,13 @@ from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReas
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
-from robots_controller.program.cell_frames import FRAMES_FILE
 from robots_controller.program.cell_port import CellPort, DetachedCell
+from robots_controller.program.files.cell_frames import FRAMES_FILE
+from robots_controller.program.files.persistent_values import SUFFIX as VALUES_SUFFIX
+from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.motion_command import OutputChange
 from robots_controller.program.motion_target import RobotView
-from robots_controller.program.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.program_state import ProgramState, RunState
-from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import check_convention
 

@@ -12,7 +12,7 @@ from robots_controller.interpreter.functions.common_arguments import JOINTS, POS
 from robots_controller.interpreter.functions.lua_function import Argument
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.io.io_image import LABEL
-from robots_controller.program.cell_frames import check_frame
+from robots_controller.program.files.cell_frames import check_frame
 from robots_core.errors import RobotsError
 
 UNKNOWN: Final = LuaArgument('unknown', None)

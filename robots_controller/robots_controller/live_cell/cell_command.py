@@ -22,7 +22,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import InstallationError, OptionError
 from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.middleware import choose_transports
+from robots_core.ros.running.middleware import choose_transports
 
 GRAPH_OPTIONS = (
     *CELL_OPTIONS,

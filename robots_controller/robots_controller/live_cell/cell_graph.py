@@ -8,7 +8,7 @@ from typing import Any, Final
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from robots_controller.cell.contact_setup import check_one_guide, read_contact
-from robots_controller.control.frame_speed_limit import checked_speed_limit
+from robots_controller.control.speed.frame_speed_limit import checked_speed_limit
 from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
@@ -23,7 +23,7 @@ from robots_core.blocks.motion_cueing.cabin import read_cabin
 from robots_core.driver_file import read_driver
 from robots_core.errors import InstallationError, OptionError
 from robots_core.operating_modes import OperatingMode
-from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
+from robots_core.periodic.watchdog import LONGEST, WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'

@@ -18,9 +18,9 @@ from std_srvs.srv import Trigger
 
 from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
-from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import PATIENCE, Coordinator
+from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.timed_node import TimedNode
 
 # The thread that advances time waits so long at most for those that listen and record.

@@ -33,7 +33,6 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
-from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
@@ -42,8 +41,9 @@ from robots_core.ros.messages import (
     pose_from_message,
     stamp_id,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.qos import every_message
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import MOTION_KINDS
 

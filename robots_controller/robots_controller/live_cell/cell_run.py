@@ -13,7 +13,7 @@ from rich.console import Console
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
-from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.live_cell.processes.node_processes import NodeProcesses
 from robots_controller.live_cell.running_cell import RunningCell, occupied
 from robots_controller.runtime_folder import alone
 from robots_core.errors import RobotsError

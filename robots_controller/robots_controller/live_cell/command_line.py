@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from robots_controller.live_cell import fork_server
+from robots_controller.live_cell.processes import fork_server
 
 if TYPE_CHECKING:  # loads beside the server
     from rich.console import Console

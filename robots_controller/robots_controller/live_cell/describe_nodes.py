@@ -13,7 +13,7 @@ import rclpy
 import yaml
 
 from robots_controller.live_cell.node_types import node_scripts, node_type
-from robots_core.ros.node_help import TABLE, default_text, described
+from robots_core.ros.running.node_help import TABLE, default_text, described
 
 PAGE: Final = Path('docs/reference/node_parameters.md')
 HEAD: Final = """# Parameters, topics and services of the nodes

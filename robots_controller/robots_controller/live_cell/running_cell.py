@@ -17,9 +17,9 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_controller.live_cell.cell_listener import CellListener
 from robots_controller.live_cell.cell_view import CellView
-from robots_controller.live_cell.frozen_nodes import FrozenNodes
-from robots_controller.live_cell.node_processes import NodeProcesses
-from robots_controller.live_cell.node_restarts import NodeRestarts
+from robots_controller.live_cell.processes.frozen_nodes import FrozenNodes
+from robots_controller.live_cell.processes.node_processes import NodeProcesses
+from robots_controller.live_cell.processes.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_core.exit_codes import ExitCode
 from robots_core.motion_result import MotionResult

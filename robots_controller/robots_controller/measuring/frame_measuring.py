@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, Literal
 
-from robots_controller.program.cell_frames import (
+from robots_controller.program.files.cell_frames import (
     CellFrames,
     Tool,
     check_frame,
     frames_text,
     read_frames,
 )
-from robots_controller.program.file_history import FileHistory
+from robots_controller.program.files.file_history import FileHistory
 from robots_core.blocks.calibration.payload_identification import IdentifiedPayload
 from robots_core.blocks.calibration.three_points import Axis, measure_base, measure_tool_orientation
 from robots_core.blocks.calibration.tool_center import FEWEST_POSES, ToolCenter, measure_tool_center

@@ -16,9 +16,9 @@ from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.measuring.frame_measuring import Sequence as Touched
 from robots_controller.measuring.recorded_motion import recorded_motion
 from robots_controller.measuring.shown_numbers import degrees, millimetres
-from robots_controller.program.cell_frames import FRAMES_FILE, FrameKind
-from robots_controller.program.program_header import read_program_header
-from robots_controller.program.taught_points import SUFFIX, TaughtPoint, read_points
+from robots_controller.program.files.cell_frames import FRAMES_FILE, FrameKind
+from robots_controller.program.files.program_header import read_program_header
+from robots_controller.program.files.taught_points import SUFFIX, TaughtPoint, read_points
 from robots_controller.terminal_table import Kind, TerminalTable
 from robots_core.blocks.calibration.payload_identification import identify_payload
 from robots_core.errors import MeasurementError, OptionError, UnreadableFileError

@@ -18,23 +18,21 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
-from robots_controller.control.faults import LOST_NODES, Fault
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
-from robots_controller.control.speed_control import SpeedControl
-from robots_controller.control.stop_latch import StopState
-from robots_controller.control.watched_inputs import WatchedInputs
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.speed.speed_control import SpeedControl
+from robots_controller.control.stops.faults import LOST_NODES, Fault
+from robots_controller.control.stops.stop_latch import StopState
+from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.foreign_writers import ForeignWriters
-from robots_controller.nodes.stream_messages import stream_point_from_message
+from robots_controller.nodes.ports.stream_messages import stream_point_from_message
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
-from robots_core.realtime import ask_for_realtime, processor_share
-from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
-from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.periodic.realtime import ask_for_realtime, processor_share
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
@@ -43,12 +41,14 @@ from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_message,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
-from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES
-from robots_core.ros.run import run
-from robots_core.ros.serialized_trajectory import SerializedTrajectory
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
 from robots_planning.nodes.trajectory_messages import trajectory_from_message

@@ -10,16 +10,16 @@ from std_msgs.msg import String
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.cell.force_guide import PERIOD, ForceGuide
-from robots_controller.nodes.io_images import OutputImages
+from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.blocks.following.guide import Guide
-from robots_core.realtime import processor_share
-from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status, twist_stamped_message, wrench_from_message
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array
 
 

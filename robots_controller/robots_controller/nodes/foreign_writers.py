@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.faults import Fault
-from robots_core.ros.presence import publishers_of
+from robots_controller.control.stops.faults import Fault
+from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.robot_node import RobotNode
 
 TOPICS: Final = ('joint_reference', 'drives_on')

@@ -17,12 +17,12 @@ from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_map import IoMap, IoRow, read_io_map
 from robots_controller.io.plant.connections import connect
-from robots_controller.nodes.io_images import InputImages, OutputImages
-from robots_controller.nodes.topic_ports import InputTopic, OutputTopic
-from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
+from robots_controller.nodes.ports.io_images import InputImages, OutputImages
+from robots_controller.nodes.ports.topic_ports import InputTopic, OutputTopic
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 # A small part of the shortest timeout.
 WATCH_PERIOD: Final = 0.02  # s

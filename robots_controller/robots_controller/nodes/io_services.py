@@ -13,7 +13,7 @@ from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayou
 from std_srvs.srv import SetBool
 
 from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
-from robots_controller.nodes.io_images import ImagePublisher, image_message
+from robots_controller.nodes.ports.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.qos import make_publisher, subscribe

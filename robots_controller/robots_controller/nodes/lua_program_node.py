@@ -23,28 +23,28 @@ from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.io.io_signals import LARGEST_INDEX
 from robots_controller.nodes.autostart import Autostart
-from robots_controller.nodes.controller_client import ControllerClient
-from robots_controller.nodes.feedback_client import FeedbackClient
 from robots_controller.nodes.io_services import IoServices
-from robots_controller.nodes.lockstep_turns import LockstepTurns
-from robots_controller.nodes.path_switching_messages import PathSwitchingMessages
-from robots_controller.nodes.planner_client import PlannerClient
-from robots_controller.nodes.program_clock import ProgramClock
+from robots_controller.nodes.ports.controller_client import ControllerClient
+from robots_controller.nodes.ports.feedback_client import FeedbackClient
+from robots_controller.nodes.ports.lockstep_turns import LockstepTurns
+from robots_controller.nodes.ports.path_switching_messages import PathSwitchingMessages
+from robots_controller.nodes.ports.planner_client import PlannerClient
+from robots_controller.nodes.ports.program_clock import ProgramClock
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.realtime import processor_share
-from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
+from robots_core.periodic.realtime import processor_share
 from robots_core.ros.messages import (
     diagnostic_status,
     motion_result_from_message,
 )
+from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
 

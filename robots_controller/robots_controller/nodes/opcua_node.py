@@ -6,13 +6,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from robots_controller.nodes.cell_reader import RATE, CellReader
-from robots_controller.nodes.program_link import ProgramLink
+from robots_controller.nodes.ports.cell_reader import RATE, CellReader
+from robots_controller.nodes.ports.program_link import ProgramLink
 from robots_controller.opcua.server_settings import ServerSettings, read_server_settings
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InstallationError
 from robots_core.ros.robot_node import PORTS, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 PATIENCE: Final = 10.0  # s, for answers of the cell
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from rcl_interfaces.msg import Log
 
-from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
-from robots_controller.nodes.pendant_link import PendantLink
+from robots_controller.nodes.ports.cell_reader import PLANNER, PROGRAM, CellReader
+from robots_controller.nodes.ports.pendant_link import PendantLink
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.page_access import THIS_MACHINE, PageAccess, read_access
 from robots_controller.pendant.pendant_operator import PendantOperator
@@ -24,7 +24,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import seconds
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 from robots_planning.pathplanning import PathPlanning
 
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
@@ -79,7 +79,7 @@ class PendantNode(RobotNode):
 
     def _serve(self, port: int, folder: Path, access: PageAccess) -> Any:
         try:
-            from robots_controller.pendant.page.page_server import PageServer  # noqa: PLC0415
+            from robots_controller.pendant.page.access.page_server import PageServer  # noqa: PLC0415
             from robots_controller.pendant.page.pendant_page import PendantPage  # noqa: PLC0415
         except ImportError as error:
             raise InstallationError(

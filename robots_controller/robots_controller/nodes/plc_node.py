@@ -9,16 +9,16 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus_plc import ModbusPlc
-from robots_controller.io.plant.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
+from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
 from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
-from robots_controller.nodes.io_images import InputImages, OutputImages
+from robots_controller.nodes.ports.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.robot_node import PORTS, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 PORT: Final = 'at this port of this machine, with the addresses of its channels; 0: none'
 IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do

@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.publisher import Publisher
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.shared_zone import LARGEST, ZoneState, parse_zone_state
+from robots_controller.control.zones.shared_zone import LARGEST, ZoneState, parse_zone_state
 from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
@@ -19,7 +19,7 @@ from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
 if TYPE_CHECKING:
-    from robots_controller.control.zone_guard import ZoneGuard
+    from robots_controller.control.zones.zone_guard import ZoneGuard
 
 TOPIC: Final = 'zone_claims'
 
@@ -52,7 +52,7 @@ class WatchedZones:
 
     def _make_guard(self) -> ZoneGuard:
         # They load the reading of meshes, which a controller without zones does not need.
-        from robots_controller.control.zone_guard import ZoneGuard  # noqa: PLC0415
+        from robots_controller.control.zones.zone_guard import ZoneGuard  # noqa: PLC0415
         from robots_core.nodes.watched_scene import WatchedScene  # noqa: PLC0415
 
         # In simulated time there is no other robot.

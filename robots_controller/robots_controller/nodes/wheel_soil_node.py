@@ -7,12 +7,12 @@ from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
-from robots_controller.nodes.io_images import OutputImages
+from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 TOOL_FRAME: Final = 'tool0'
 

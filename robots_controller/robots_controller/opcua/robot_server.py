@@ -12,7 +12,7 @@ from asyncua.common.callback import CallbackType
 from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPolicyNone
 
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
-from robots_controller.io.plant.opcua_map import MODES, POLICIES
+from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES
 from robots_controller.opcua.node_writer import NAMESPACE
 from robots_controller.opcua.robot_nodes import RobotNodes
 from robots_controller.opcua.robot_port import RobotPort

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_controller.io.plant.credentials import existing_file
-from robots_controller.io.plant.opcua_map import POLICIES
+from robots_controller.io.plant.opcua.opcua_map import POLICIES
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, parse_yaml

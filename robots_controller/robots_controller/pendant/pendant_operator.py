@@ -16,11 +16,11 @@ from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_
 from robots_controller.io.io_image import Channel
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.held_button import HeldButton, standing
-from robots_controller.pendant.jog_outlook import Ahead, JogOutlook
+from robots_controller.pendant.jog.held_button import HeldButton, standing
+from robots_controller.pendant.jog.jog_outlook import Ahead, JogOutlook
+from robots_controller.pendant.jog.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.message_log import MessageLog
 from robots_controller.pendant.motion_recording import MotionRecording
-from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from robots_controller.io.io_image import Channel
-from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import RobotsError

@@ -12,7 +12,7 @@ from robots_controller.interpreter.functions.lua_function import Argument, LuaFu
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.io.io_image import IMAGES, IoImage
 from robots_controller.pendant.pendant_state import ShownIo
-from robots_controller.program.file_history import FileHistory
+from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program_check.program_check import ProgramProblem, check_program
 from robots_core.errors import ProgramError
 from robots_core.files import read_text

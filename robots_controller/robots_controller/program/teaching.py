@@ -7,8 +7,8 @@ from itertools import count
 from pathlib import Path
 from typing import Final, Literal, get_args
 
-from robots_controller.program.file_history import FileHistory
-from robots_controller.program.taught_points import TaughtPoint, points_text, read_points
+from robots_controller.program.files.file_history import FileHistory
+from robots_controller.program.files.taught_points import TaughtPoint, points_text, read_points
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files import read_text
 from robots_core.pose import Pose

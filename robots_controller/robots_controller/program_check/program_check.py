@@ -12,7 +12,7 @@ from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
 from robots_controller.interpreter.program_run import find_subprogram
-from robots_controller.program.cell_frames import FRAMES_FILE
+from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program_check.comparisons import comparisons_of_unlike_values
 from robots_controller.program_check.lua_calls import lua_calls
 from robots_controller.program_check.other_languages import foreign_idioms

@@ -9,9 +9,9 @@ from robots_controller.cell.guide_recording import GuideRecording, read_guide_re
 from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
-from robots_controller.control.speed_control import SpeedControl
-from robots_controller.control.zone_guard import ZoneGuard
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.speed.speed_control import SpeedControl
+from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (

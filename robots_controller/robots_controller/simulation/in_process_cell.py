@@ -8,8 +8,8 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
-from robots_controller.control.stop_latch import StopState
-from robots_controller.control.watched_inputs import WatchedInputs
+from robots_controller.control.stops.stop_latch import StopState
+from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.io_image import Channel, image_sizes
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState

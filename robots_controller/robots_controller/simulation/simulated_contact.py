@@ -11,7 +11,7 @@ from robots_controller.cell.contact_setup import ContactSetup
 from robots_controller.cell.force_guide import PERIOD, ForceGuide
 from robots_controller.cell.guide_recording import NANOSECONDS, GuidingMessage
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.faults import Fault
+from robots_controller.control.stops.faults import Fault
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.simulation.cell_parts import CellParts
@@ -19,7 +19,7 @@ from robots_controller.simulation.record.cell_log import CellLog
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.errors import PlanningError
-from robots_core.periodic_schedule import PeriodicSchedule
+from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 

@@ -18,13 +18,13 @@ from robots_core.blocks.following.realtime_movement import RealtimeMovement, Rea
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.periodic_schedule import PeriodicSchedule
+from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.jogging import Jogging
-from robots_planning.teach_box import JOG_RATE, TeachStep
+from robots_planning.guidance.jogging import Jogging
+from robots_planning.guidance.teach_box import JOG_RATE, TeachStep
 
 SENSOR_PERIOD: Final = round(NANOSECONDS / RATE)  # ns
 JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns

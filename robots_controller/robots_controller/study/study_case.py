@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from robots_controller.program.cell_frames import FRAMES_FILE
+from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.study.program_variant import Value, program_variant
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.program.program_header import read_program_header
+from robots_controller.program.files.program_header import read_program_header
 from robots_controller.study.program_variant import Value, program_variant
 from robots_controller.study.study_case import StudyCase, packed_files
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS

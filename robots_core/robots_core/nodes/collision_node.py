@@ -25,11 +25,11 @@ from robots_core.ros.messages import (
     joint_motion,
     motion_result_from_message,
 )
-from robots_core.ros.presence import is_served
+from robots_core.ros.peers.presence import is_served
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
-from robots_core.ros.serialized_trajectory import SerializedTrajectory
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz

@@ -19,7 +19,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 from robots_core.validation import finite_vector
 
 MAX_RATE = 1000.0  # Hz

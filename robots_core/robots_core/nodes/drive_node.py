@@ -20,16 +20,16 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
-from robots_core.realtime import processor_share
-from robots_core.ros.heartbeat import watchdog_parameter
-from robots_core.ros.joint_state_stream import JointStateStream
+from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
-from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.reference_reader import ReferenceReader
+from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.robot_node import PRIORITIES
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.joint_state_stream import JointStateStream
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.reference_reader import ReferenceReader
 from robots_core.validation import Array
 
 if TYPE_CHECKING:

@@ -24,10 +24,10 @@ from robots_core.nodes.payload_parameter import carry_payload, payload_from_para
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_motion, matrix_message, seconds
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array, finite_vector, one_of
 
 MAX_RATE = 1000.0  # Hz

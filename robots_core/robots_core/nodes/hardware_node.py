@@ -14,16 +14,16 @@ from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_traje
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.driver_file import Driver, read_driver
 from robots_core.nodes.driver_action import DriverAction
-from robots_core.realtime import processor_share
-from robots_core.ros.heartbeat import watchdog_parameter
-from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, doubles
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
-from robots_core.ros.reference_reader import ReferenceReader
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.reference_reader import ReferenceReader
 from robots_core.validation import Array
 
 FAILURE_SHOWN: Final = 1.0  # s, at least, that the robot is reported to have stopped

@@ -23,15 +23,15 @@ from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.nodes.payload_parameter import carry_payload
 from robots_core.operating_modes import Commander
-from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
-from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.reference_stream import ReferenceStream
 from robots_core.validation import Array
 
 REPORT_PERIOD = 0.1  # s

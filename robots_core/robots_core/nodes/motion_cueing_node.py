@@ -13,10 +13,10 @@ from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.vehicle_inputs import INPUTS, read_input
 
 REASON_SHOWN: Final = 1.0  # s

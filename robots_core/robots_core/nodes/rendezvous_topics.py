@@ -17,9 +17,9 @@ from robots_core.ros.messages import (
     pose_stamped_message,
     twist_stamped_message,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 
 class RendezvousTopics:

@@ -16,7 +16,7 @@ from robots_core.nodes.transforms import transform_message
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 MAX_RATE: Final = 1000.0  # Hz
 FRAMES: Final = {'tool': 'tool0', 'work': 'base'}

@@ -12,7 +12,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
 
 MAX_RATE = 100.0  # Hz
 

@@ -17,14 +17,14 @@ from std_srvs.srv import SetBool, Trigger
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.identified_messages import identify, publishers_are_identified
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
-from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.presence import publishers_of
-from robots_core.ros.publisher_names import PublisherNames
+from robots_core.ros.peers.identified_messages import identify, publishers_are_identified
+from robots_core.ros.peers.presence import publishers_of
+from robots_core.ros.peers.publisher_names import PublisherNames
 from robots_core.ros.qos import COMMAND, make_publisher
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
 from robots_core.topic_writers import WRITERS, WriterWatch
 

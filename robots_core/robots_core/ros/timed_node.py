@@ -11,11 +11,11 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 
 from robots_core.errors import InvalidInputError
-from robots_core.periodic_thread import PeriodicThread
+from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.timed_work import ScheduledLoop
-from robots_core.ros.loop import Loop, on_clock_set
+from robots_core.ros.running.loop import Loop, on_clock_set
 
 
 class TimedNode(Node):

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from builtin_interfaces.msg import Time
 from rclpy.subscription import Subscription
 
-from robots_core.ros.identified_messages import deliver
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.peers.identified_messages import deliver
 from robots_core.ros.robot_node import RobotNode
 
 

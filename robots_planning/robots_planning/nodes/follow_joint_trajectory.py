@@ -13,8 +13,8 @@ from robots_core.errors import InvalidInputError, JointNamesError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times
 from robots_core.ros.messages import doubles, joint_indices, joint_values, seconds, stamp_id
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array
 from robots_planning.goal_tolerances import GoalTolerances, Tolerance
 from robots_planning.nodes.one_goal_server import (

@@ -11,18 +11,18 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.operating_modes import Commander
-from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.loop import Loop
 from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
-from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.running.loop import Loop
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.reference_stream import ReferenceStream
 from robots_core.validation import Array
-from robots_planning.jogging import Jogging
-from robots_planning.teach_box import JOG_RATE, jog_axes
+from robots_planning.guidance.jogging import Jogging
+from robots_planning.guidance.teach_box import JOG_RATE, jog_axes
 
 
 class JogStream:

@@ -12,8 +12,8 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.ros.messages import NANOSECONDS, stamp_id
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
 from robots_planning.motion_primitives import MotionPrimitive

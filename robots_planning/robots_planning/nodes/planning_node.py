@@ -22,9 +22,7 @@ from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
-from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.control_actions import action_type
-from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
@@ -38,11 +36,13 @@ from robots_core.ros.messages import (
     pose_in_base,
     stamp_id,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.presence import publishers_of
+from robots_core.ros.peers.commander_watch import CommanderWatch
+from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
+from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
+from robots_core.ros.running.run import run
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 
 from robots_core.base_frames import BASE_FRAME
 from robots_core.ros.messages import NANOSECONDS
-from robots_core.ros.serialized_trajectory import SerializedTrajectory, serialize_points
+from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory, serialize_points
 from robots_planning.trajectory import Trajectory
 
 

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from limit_differences import broken_limits, limit_uses
+from robots_core.periodic.watchdog import WATCHDOG
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_core.watchdog import WATCHDOG
 
 from .recording import JointSamples, Recording
 

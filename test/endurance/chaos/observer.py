@@ -16,8 +16,8 @@ from cell_operator import CellOperator
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times, single_point
 from robots_core.ros.messages import seconds
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STATE
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.trajectory import Trajectory
 
 from .recording import JointSamples

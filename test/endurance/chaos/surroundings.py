@@ -12,9 +12,9 @@ from uuid import uuid4
 
 from node_pids import node_pids
 from robots_controller.live_cell.cell_graph import NodeDescription, cell_graph
-from robots_controller.live_cell.node_processes import node_arguments
-from robots_controller.live_cell.restart_policy import MOST_DEATHS, STEADY
-from robots_controller.program.program_header import read_program_header
+from robots_controller.live_cell.processes.node_processes import node_arguments
+from robots_controller.live_cell.processes.restart_policy import MOST_DEATHS, STEADY
+from robots_controller.program.files.program_header import read_program_header
 
 PROGRAMS: Final = Path(__file__).parent / 'programs'
 IO_MAP: Final = PROGRAMS / 'outputs.yaml'

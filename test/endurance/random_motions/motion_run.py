@@ -11,9 +11,9 @@ import numpy as np
 from limit_differences import broken_limits, limit_uses
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import Fault
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.speed_control import SpeedControl
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.speed.speed_control import SpeedControl
+from robots_controller.control.stops.faults import Fault
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -15,8 +15,8 @@ from trajectory_msgs.msg import JointTrajectory
 from cell_operator import CellOperator, answer_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 from .figures import LoopFigures
 

@@ -4,7 +4,7 @@ from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.lua_function import Argument, lua_function
 from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result
-from robots_controller.program.persistent_values import Value
+from robots_controller.program.files.persistent_values import Value
 
 
 class Persistence(Family):

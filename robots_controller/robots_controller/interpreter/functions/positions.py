@@ -12,7 +12,7 @@ from robots_controller.interpreter.functions.lua_function import (
 )
 from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
-from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
+from robots_controller.program.files.taught_points import TaughtPoint, read_points, write_points
 from robots_core.errors import ProgramError
 
 _NAME: Final = Argument('name', kinds.NAME, '', 'name of the point')

@@ -11,7 +11,7 @@ from robots_controller.interpreter.functions.common_arguments import FRAME, SWIT
 from robots_controller.interpreter.functions.lua_function import A_POSE, Argument, lua_function
 from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
-from robots_controller.program.cell_frames import CellFrames, FrameKind, check_frame
+from robots_controller.program.files.cell_frames import CellFrames, FrameKind, check_frame
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.orientation import ORIENTATION_CONVENTIONS

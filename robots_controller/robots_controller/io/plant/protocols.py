@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus_map import read_modbus_place, read_modbus_server
+from robots_controller.io.plant.modbus.modbus_map import read_modbus_place, read_modbus_server
 from robots_controller.io.plant.mqtt_map import read_mqtt_place, read_mqtt_server
-from robots_controller.io.plant.opcua_map import read_opcua_place, read_opcua_server
+from robots_controller.io.plant.opcua.opcua_map import read_opcua_place, read_opcua_server
 from robots_controller.io.plant.plant_link import PlantServer
 from robots_core.yaml_section import YamlSection
 

@@ -19,10 +19,10 @@ from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
-from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.peers.heartbeat import HEARTBEAT
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s

@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.exit_codes import ExitCode
-from robots_core.ros.lean_executor import LeanExecutor
+from robots_core.ros.running.lean_executor import LeanExecutor
 
 
 def main() -> int:

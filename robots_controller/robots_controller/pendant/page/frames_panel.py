@@ -8,12 +8,12 @@ from typing import Final, Protocol
 
 from nicegui import ui
 
-from robots_controller.pendant.page.base_measuring import BaseMeasuring
-from robots_controller.pendant.page.payload_measuring import PayloadMeasuring
-from robots_controller.pendant.page.tool_measuring import ToolMeasuring
+from robots_controller.pendant.page.measuring.base_measuring import BaseMeasuring
+from robots_controller.pendant.page.measuring.payload_measuring import PayloadMeasuring
+from robots_controller.pendant.page.measuring.tool_measuring import ToolMeasuring
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
-from robots_controller.program.cell_frames import FRAMES_FILE
+from robots_controller.program.files.cell_frames import FRAMES_FILE
 
 
 class Guide(Protocol):

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from nicegui import ui
 
-from robots_controller.pendant.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.jog.jog_command import JOG_FRAMES, JogFrame
 from robots_controller.pendant.page.frame_choice import FrameChoice
 from robots_controller.pendant.page.target_panel import TargetPanel
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
@@ -17,7 +17,7 @@ from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import Texts
 from robots_core.orientation import angles_from_orientation
 from robots_core.validation import Array
-from robots_planning.teach_box import OUT_OF_REACH
+from robots_planning.guidance.teach_box import OUT_OF_REACH
 
 SPEEDS: Final = (1, 3, 10, 30, 100)  # %
 FIRST_SPEED: Final = 10  # %

@@ -13,12 +13,12 @@ from fastapi import Request
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
-from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.page.access.origin_guard import SCENE
 from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
-from robots_controller.pendant.page.origin_guard import SCENE
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.trend_panel import TrendPanel

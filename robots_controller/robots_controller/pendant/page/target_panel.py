@@ -8,9 +8,9 @@ from typing import Final
 
 from nicegui import run, ui
 
-from robots_controller.pendant.held_button import MOVE_KEY
+from robots_controller.pendant.jog.held_button import MOVE_KEY
+from robots_controller.pendant.jog.pendant_motion import WAYS, Preview, Way
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
-from robots_controller.pendant.pendant_motion import WAYS, Preview, Way
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError, RobotsError
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.cell.guide_recording import GuidingMessage
-from robots_controller.control.stop_latch import StopState
+from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.periodic.watchdog import WATCHDOG, Watchdog
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_core.watchdog import WATCHDOG, Watchdog
 
 # References that come late are extrapolated for so many periods: the clock of their sender is not in step.
 MAX_EXTRAPOLATED: Final = 5

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from robots_core.blocks.force_control.force_control import ForceControlSettings
+from robots_core.periodic.watchdog import Watchdog
 from robots_core.validation import Array, finite_vector
-from robots_core.watchdog import Watchdog
 
 
 class ForceWatch:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from robots_core.periodic_schedule import PeriodicSchedule
+from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 
 

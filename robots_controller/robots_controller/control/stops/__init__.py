@@ -1,0 +1,1 @@
+"""Faults and stops: what is watched, what stops the robot, and how it brakes."""

@@ -1,0 +1,33 @@
+"""WatchedInputs: digital inputs that stop the robot or close the borders of zones, at the controller."""
+
+from collections.abc import Sequence
+
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.control.stops.faults import Fault
+from robots_controller.io.emergency_inputs import EmergencyInputs
+from robots_controller.io.zone_inputs import ZoneInputs
+
+
+class WatchedInputs:
+    """Passes on what an image of the inputs changes.
+
+    Args:
+        control: The controller.
+        emergency: Inputs that stop the robot.
+        zones: Inputs that close zones.
+    """
+
+    def __init__(self, control: ControlLoop, emergency: EmergencyInputs, zones: ZoneInputs) -> None:
+        self._control, self._emergency, self._zones = control, emergency, zones
+        self._reason = ''
+        self._closed: frozenset[str] | None = None
+
+    def look(self, image: Sequence[int]) -> None:
+        """Look at the digital inputs, from the first one on."""
+        closed, reason = self._zones.closed(image), self._emergency.reason(image)
+        if closed != self._closed:
+            self._closed = closed
+            self._control.close_zones(closed)
+        if reason != self._reason:
+            self._reason = reason
+            self._control.watch(Fault.EMERGENCY_STOP_INPUT, reason)

@@ -1,0 +1,1 @@
+"""Zones that a robot keeps clear of, or shares with others, watched while it moves."""

@@ -1,0 +1,1 @@
+"""Modbus TCP: the client of an I/O map, and a scripted PLC that is a server."""

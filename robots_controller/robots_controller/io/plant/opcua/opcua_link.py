@@ -1,0 +1,225 @@
+"""OpcuaLink: a connection to an OPC UA server, by asyncua."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final
+
+from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.place import Place
+from robots_controller.io.plant.opcua.opcua_frames import FrameGuard
+from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES, OpcuaServer
+from robots_controller.io.plant.plant_link import LinkError, library
+
+MOST_NODES: Final = 500
+"""Of a request: what small servers take."""
+QUEUE: Final = 10
+"""Changes of a variable that the server keeps between two messages."""
+SHORTEST_CHECK: Final = 0.05  # s
+SEVERITY: Final = 0xC000_0000
+CODE: Final = 0xFFFF_0000
+INFO_TYPE: Final = 0x0000_0C00
+DATA_VALUE: Final = 0x0000_0400
+OVERFLOW: Final = 0x0000_0080
+"""Bits of a status (OPC 10000-4): good if none of the severity is set; `OVERFLOW` is of data values."""
+
+VARIANTS: Final = {
+    'boolean': 'Boolean',
+    'int8': 'SByte',
+    'uint8': 'Byte',
+    **{f'{sign}int{size}': f'{sign.upper()}Int{size}' for sign in ('', 'u') for size in (16, 32, 64)},
+    'float': 'Float',
+    'double': 'Double',
+}
+
+
+class OpcuaLink:
+    """A connection to an OPC UA server, which tells of changes of the inputs' variables.
+
+    Args:
+        server: The server.
+        inputs: Places to read, and how often the server looks at them, s.
+        outputs: Places to write.
+
+    Raises:
+        InvalidInputError: asyncua is not installed.
+    """
+
+    def __init__(self, server: OpcuaServer, inputs: Mapping[Any, float], outputs: Iterable[Any]) -> None:
+        self._server = server
+        self._ua = library('asyncua', 'asyncua', 'opcua').ua
+        self._sync = library('asyncua.sync', 'asyncua', 'opcua')
+        self._client: Any = None
+        self._inputs, self._outputs = inputs, list(outputs)
+        self._nodes: dict[Any, Any] = {}
+        self._hear: Callable[[Iterable[Arrival]], None] = lambda _: None
+        self._heard: dict[Any, Arrival] = {}
+        """The newest of each place; from the thread of asyncua alone after the connection is open."""
+        self._ended = ''
+        self._frames = FrameGuard()
+
+    def kind(self, place: Any) -> str:
+        """Type of the number at a place."""
+        return str(place.kind)
+
+    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+        """Connect and subscribe."""
+        server, self._hear, self._heard, self._ended = self._server, hear, {}, ''
+        with self._answering():
+            # The client's own waiting ends after that of its requests.
+            self._client = self._sync.Client(
+                server.endpoint,
+                timeout=server.response_timeout,
+                sync_wrapper_timeout=4 * server.response_timeout,
+                watchdog_intervall=server.response_timeout,
+            )
+            self._frames = FrameGuard()
+            self._frames.watch(self._client.aio_obj.uaclient)
+            self._secure()
+            self._client.connect()
+            self._nodes = {
+                place: self._client.get_node(self._id(place)) for place in (*self._inputs, *self._outputs)
+            }
+            if not self._inputs:
+                return
+            subscription = self._client.create_subscription(1e3 * server.period, self)
+            self._places: dict[Any, list[Any]] = {}
+            for place in self._inputs:
+                self._places.setdefault(self._nodes[place].nodeid, []).append(place)
+            for period in sorted(set(self._inputs.values())):
+                for places in _chunks(place for place in self._inputs if self._inputs[place] == period):
+                    answers = subscription.subscribe_data_change(
+                        [self._nodes[place] for place in places],
+                        queuesize=QUEUE,
+                        sampling_interval=1e3 * period,
+                    )
+                    for place, answer in zip(places, answers, strict=True):
+                        if isinstance(answer, self._ua.StatusCode):
+                            self._take(Arrival(place, problem=f'{place.text}: {answer.name}'))
+
+    def close(self) -> None:
+        """Disconnect."""
+        client, self._client = self._client, None
+        if client is not None:
+            with suppress(Exception):  # of a connection that is lost
+                client.disconnect()
+            with suppress(Exception):  # ended by `disconnect` before
+                client.tloop.stop()
+
+    def read(self, now: float) -> float:
+        """Check that the server answers: variables of which no change has arrived are as they were then."""
+        if self._ended:
+            raise LinkError(self._ended)
+        with self._answering():
+            self._client.nodes.server_state.read_value()
+            if self._heard:
+                self._client.tloop.post(self._hear_again())
+        return now + max(self._server.period, SHORTEST_CHECK)
+
+    def write(self, values: Mapping[Any, Number]) -> Mapping[Place, str]:
+        """Write variables; those that the server refuses, and why."""
+        refused: dict[Place, str] = {}
+        for places in _chunks(values):
+            with self._answering():
+                answers = self._client.write_values(
+                    [self._nodes[place] for place in places],
+                    [self._value(place, values[place]) for place in places],
+                    raise_on_partial_error=False,
+                )
+            for place, answer in zip(places, answers, strict=True):
+                if not answer.is_good():
+                    refused[place] = answer.name
+        return refused
+
+    def datachange_notification(self, node: Any, _value: Any, data: Any) -> None:
+        """A variable has changed; called by asyncua in its thread."""
+        found = data.monitored_item.Value
+        stamp = math.nan if found.SourceTimestamp is None else found.SourceTimestamp.timestamp()
+        code = 0 if found.StatusCode is None else found.StatusCode.value
+        # The server says that its queue was full, not how much it has dropped.
+        lost = int(code & OVERFLOW == OVERFLOW and code & INFO_TYPE == DATA_VALUE)
+        for place in self._places.get(node.nodeid, ()):
+            if code & SEVERITY:
+                name = self._ua.StatusCode(code & CODE).name
+                self._take(Arrival(place, problem=f'{place.text}: {name}', lost=lost))
+            else:
+                value = None if found.Value is None else found.Value.Value
+                self._take(Arrival(place, value, stamp=stamp, lost=lost))
+            lost = 0
+
+    def status_change_notification(self, change: Any) -> None:
+        """The subscription has ended or is about to; called by asyncua in its thread."""
+        if not change.Status.is_good():
+            self._ended = f'the subscription has ended: {change.Status.name}'
+
+    def _take(self, arrival: Arrival) -> None:
+        self._heard[arrival.place] = replace(arrival, lost=0) if arrival.lost else arrival
+        self._hear([arrival])
+
+    async def _hear_again(self) -> None:
+        self._hear([arrival for arrival in self._heard.values() if not arrival.problem])
+
+    def _value(self, place: Any, value: Number) -> Any:
+        # Without time stamps: many servers let nobody else write those.
+        return self._ua.DataValue(self._ua.Variant(value, self._ua.VariantType[VARIANTS[place.kind]]))
+
+    def _id(self, place: Any) -> str:
+        match = re.match(r'nsu=([^;]+);', place.node)
+        if match is None:
+            return str(place.node)
+        try:
+            index = self._client.get_namespace_index(match[1])
+        except ValueError:
+            raise LinkError(f'{place.text}: the server has no namespace {match[1]}') from None
+        return f'ns={index};{place.node[match.end() :]}'
+
+    def _secure(self) -> None:
+        server, credentials, client = self._server, self._server.credentials, self._client
+        if credentials.user:
+            client.set_user(credentials.user)
+            client.set_password(credentials.password())
+        if server.security == 'none':
+            return
+        policies = library('asyncua.crypto.security_policies', 'asyncua', 'opcua')
+        client.application_uri = _application_uri(Path(credentials.certificate))
+        client.tloop.post(
+            client.aio_obj.set_security(
+                getattr(policies, POLICIES[server.security]),
+                credentials.certificate,
+                credentials.key,
+                server_certificate=credentials.trusted or None,
+                mode=self._ua.MessageSecurityMode[MODES[server.mode]],
+            )
+        )
+
+    @contextmanager
+    def _answering(self) -> Iterator[None]:
+        try:
+            yield
+        except (TimeoutError, concurrent.futures.TimeoutError) as error:
+            raise LinkError(f'no answer within {self._server.response_timeout:g} s') from error
+        except (OSError, self._ua.UaError) as error:
+            reason = self._frames.refused or str(error).strip() or type(error).__name__
+            raise LinkError(f'{self._server.endpoint}: {reason}') from error
+
+
+def _application_uri(certificate: Path) -> str:
+    """The application that a certificate (PEM or DER) is of, which must say the same."""
+    x509 = library('cryptography.x509', 'cryptography', 'opcua')
+    data = certificate.read_bytes()
+    load = x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate
+    names = load(data).extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    return str(next(iter(names.get_values_for_type(x509.UniformResourceIdentifier)), ''))
+
+
+def _chunks(places: Iterable[Any]) -> Iterator[list[Any]]:
+    rest = iter(places)
+    while chunk := list(islice(rest, MOST_NODES)):
+        yield chunk

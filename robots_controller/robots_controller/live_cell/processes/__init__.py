@@ -1,0 +1,1 @@
+"""The processes of a live cell: forked from one server, watched, restarted, ended."""

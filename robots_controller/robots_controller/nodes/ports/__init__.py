@@ -1,0 +1,1 @@
+"""Ports of the blocks over topics and services: clients, links and the messages that they exchange."""

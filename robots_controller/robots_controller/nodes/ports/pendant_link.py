@@ -1,0 +1,138 @@
+"""PendantLink: the operator's page as topics and services of the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.client.program_client import set_parameters
+from robots_controller.io.io_image import Channel
+from robots_controller.nodes.ports.pendant_moves import PendantMoves
+from robots_controller.nodes.ports.program_link import ProgramLink
+from robots_controller.pendant.jog.jog_command import JogFrame
+from robots_controller.pendant.motion_recording import MeasuredMotion
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.operating_modes import OperatingMode
+from robots_core.ros.joint_trajectories import single_point
+from robots_core.ros.messages import doubles, joint_values, seconds, twist_stamped_message
+from robots_core.ros.qos import make_publisher
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.validation import Array
+
+PROGRAM: Final = 'lua_program_node'
+PATIENCE: Final = 10.0  # s
+STOPS: Final = ('lua_program_node/stop', 'controller_node/stop')
+
+
+class PendantLink(ProgramLink):
+    """See `PendantPort`; safe from any thread.
+
+    Args:
+        node: The node to publish and to call from; another thread spins it.
+    """
+
+    def __init__(self, node: RobotNode) -> None:
+        super().__init__(node, PATIENCE)
+        self._node = node
+        self._names = list(node.robot.axes_data.names)
+        self._twists = make_publisher(node, TwistStamped, 'teach_twist')
+        self._joints = make_publisher(node, JointState, 'teach_joints')
+        self._holds = make_publisher(node, Bool, 'hold_to_run')
+        self._overrides = make_publisher(node, Float64, 'override')
+        self._services.prepare(STOPS)
+        self._moves = PendantMoves(node, self._services)
+        self._ghosts = make_publisher(node, JointState, 'ghost')
+        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
+        self._reference: Array | None = None
+        self._feedback = PolledSubscription(node, JointState, 'joint_states')
+
+    def jog_axes(self, velocity: Array) -> None:
+        """See `PendantPort`."""
+        message = JointState(name=self._names, velocity=doubles(velocity))
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._joints.publish(message)
+
+    def jog_tool(self, twist: Array, frame: JogFrame) -> None:
+        """See `PendantPort`."""
+        message = twist_stamped_message(self._node.get_clock().now().to_msg(), np.asarray(twist))
+        message.header.frame_id = frame
+        self._twists.publish(message)
+
+    def hold_run(self, *, held: bool) -> None:
+        """See `PendantPort`."""
+        self._holds.publish(Bool(data=held))
+
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        """See `PendantPort`."""
+        self._moves.begin(command, done)
+
+    def end_move(self) -> None:
+        """See `PendantPort`."""
+        self._moves.end()
+
+    def reference(self) -> Array | None:
+        """See `PendantPort`."""
+        message = self._references.take()
+        if message is not None:
+            self._reference = single_point(message, self._names, 'joint_reference')[0]
+        return self._reference
+
+    def feedback(self) -> MeasuredMotion | None:
+        """See `PendantPort`."""
+        message = self._feedback.take()
+        if message is None or not len(message.effort):
+            return None
+        try:
+            q, tau = (
+                joint_values(message.name, values, self._names, 'joint_states')
+                for values in (message.position, message.effort)
+            )
+        except InvalidInputError:
+            return None
+        return MeasuredMotion(seconds(message.header.stamp), q, tau)
+
+    def show_ghost(self, q: Array | None) -> None:
+        """See `PendantPort`; without positions the ghost is gone."""
+        message = JointState() if q is None else JointState(name=self._names, position=doubles(q))
+        self._ghosts.publish(message)
+
+    def set_override(self, value: float) -> None:
+        """See `PendantPort`."""
+        self._overrides.publish(Float64(data=float(value)))
+
+    def stop(self) -> None:
+        """See `PendantPort`; both nodes are asked, whatever else does not answer."""
+        for service in STOPS:
+            self._services.send(service)
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, breakpoints=[*breakpoints] or [''])
+
+    def step(self, step: str) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, step_mode=step)
+        self._services.trigger(f'{PROGRAM}/step')
+
+    def call_stack(self) -> str:
+        """See `PendantPort`."""
+        return self._services.trigger(f'{PROGRAM}/get_call_stack')
+
+    def set_mode(self, mode: OperatingMode) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, 'controller_node', operating_mode=mode.value)
+
+    def force(self, channel: Channel, value: float | None) -> None:
+        """See `PendantPort`."""
+        if value is None:
+            self._io.release(channel.name)
+        else:
+            self._io.force(channel.name, bool(value) if channel.kind == 'digital' else float(value))

@@ -1,0 +1,178 @@
+"""Topics as ports of an I/O map: a field each of a message."""
+
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.topic_field import TopicField, TopicQos
+from robots_controller.io.io_map import IoRow
+from robots_controller.io.number_kinds import INTEGERS, bits_of
+from robots_controller.nodes.ports.message_types import make_room, number_type
+from robots_core.errors import InvalidInputError
+from robots_core.ros.message_class import message_class
+from robots_core.ros.robot_node import RobotNode
+
+
+class _Topic:
+    """One topic.
+
+    Raises:
+        InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
+    """
+
+    def __init__(self, rows: Sequence[tuple[IoRow, TopicField]]) -> None:
+        self._kinds = {place: _kind(row, place) for row, place in rows}
+
+    def kind(self, place: Any) -> str:
+        return self._kinds[place]
+
+    def problems(self) -> Mapping[str, str]:
+        return {}
+
+    def news(self) -> Sequence[str]:
+        return ()
+
+    def arrivals(self) -> Sequence[Arrival]:
+        return ()
+
+    def lost(self) -> int:
+        return 0
+
+    def send(self, values: Mapping[Any, Number]) -> None:
+        pass
+
+    def finish(self, end: float) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class InputTopic(_Topic):
+    """Inputs from a topic.
+
+    Args:
+        node: Owner of the subscription.
+        rows: Those of the topic.
+        on_arrival: Called after each message.
+
+    Raises:
+        InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
+    """
+
+    def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]], on_arrival: Any) -> None:
+        super().__init__(rows)
+        self._on_arrival = on_arrival
+        self._arrivals: list[Arrival] = []
+        place = rows[0][1]
+        node.create_subscription(message_class(place.type), place.topic, self._on_message, _qos(place.qos))
+
+    def arrivals(self) -> Sequence[Arrival]:
+        """What came since the last call."""
+        arrivals, self._arrivals = self._arrivals, []
+        return arrivals
+
+    def _on_message(self, message: Any) -> None:
+        self._arrivals += self._read(message)
+        self._on_arrival()
+
+    def _read(self, message: Any) -> Iterator[Arrival]:
+        stamp = stamp_of(message)
+        for place in self._kinds:
+            try:
+                yield Arrival(place, place.path.get(message), stamp=stamp)
+            except InvalidInputError as error:
+                yield Arrival(place, problem=error.message)
+
+
+class OutputTopic(_Topic):
+    """Outputs to a topic, sent once all of its fields are known.
+
+    Args:
+        node: Owner of the publisher.
+        rows: Those of the topic.
+
+    Raises:
+        InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
+    """
+
+    def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]]) -> None:
+        super().__init__(rows)
+        place = rows[0][1]
+        self._clock = node.get_clock()
+        self._message = message_class(place.type)()
+        for one in self._kinds:
+            make_room(self._message, one.path)
+        self._unknown = set(self._kinds)
+        self._publisher = node.create_publisher(
+            type(self._message),
+            place.topic,
+            _qos(place.qos),
+            event_callbacks=PublisherEventCallbacks(matched=self._on_matched),
+        )
+
+    def send(self, values: Mapping[Any, Number]) -> None:
+        """Send the message with these values."""
+        for place, value in values.items():
+            place.path.set(self._message, value)
+        self._unknown -= values.keys()
+        self._publish()
+
+    def finish(self, end: float) -> None:
+        """Wait until all subscribers have what was sent."""
+        self._publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
+
+    def _on_matched(self, change: Any) -> None:
+        """Send the newest values to a PLC that starts later, or again."""
+        if change.current_count_change > 0:
+            self._publish()
+
+    def _publish(self) -> None:
+        if self._unknown:
+            return
+        if hasattr(self._message, 'header'):
+            self._message.header.stamp = self._clock.now().to_msg()
+        self._publisher.publish(self._message)
+
+
+def stamp_of(message: Any) -> float:
+    """The stamp of a message's header, s since 1970; NaN where it has none."""
+    stamp = getattr(getattr(message, 'header', None), 'stamp', None)
+    if stamp is None or not (stamp.sec or stamp.nanosec):
+        return math.nan
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
+
+
+def _kind(row: IoRow, place: TopicField) -> str:
+    try:
+        message = message_class(place.type)
+        found = number_type(message, place.path)
+        _check_bit(row, found)
+        if row.channel.direction == 'output':
+            make_room(message(), place.path)
+    except InvalidInputError as error:
+        raise row.error(error.message) from None
+    return found
+
+
+def _check_bit(row: IoRow, kind: str) -> None:
+    if row.bit is None:
+        return
+    if kind not in INTEGERS:
+        raise InvalidInputError(f'{row.place.text} is {kind!r}; a bit needs a whole number')
+    if row.bit >= (bits := bits_of(kind)):
+        raise InvalidInputError(f'{row.place.text} is {kind!r} with bits 0..{bits - 1}, not {row.bit}')
+
+
+def _qos(qos: TopicQos) -> QoSProfile:
+    return QoSProfile(
+        depth=qos.depth,
+        reliability=ReliabilityPolicy[qos.reliability.upper()],
+        durability=DurabilityPolicy[qos.durability.upper()],
+    )

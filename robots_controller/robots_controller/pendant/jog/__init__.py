@@ -1,0 +1,1 @@
+"""Jogging by held buttons, and what it is about to meet."""

@@ -1,0 +1,190 @@
+"""Motions that a person commands from the operator's page: steps, and motions to typed targets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, Final, Literal, get_args
+
+import numpy as np
+
+from robots_controller.pendant.jog.jog_command import JogCommand
+from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import InvalidInputError
+from robots_core.orientation import rotation_from_vector
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, read_only
+from robots_planning.guidance.teach_box import ROTATION_SPEED
+from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
+from robots_planning.motion_settings import MotionSettings, frame
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
+
+ACCELERATION: Final = 0.3  # part of the limits, as of a teach box
+SPEED_MARGIN: Final = 0.95  # of the highest tool speed, which does not grow quite as the axes' do
+Way = Literal['joints', 'pose', 'line']
+SAMPLES: Final = 200  # of a motion, for the speed of the tool
+WAYS: Final[tuple[Way, ...]] = get_args(Way)
+"""How a typed target is given and reached: joint positions; a pose, with all axes or on a line."""
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """A motion that is planned and not yet commanded.
+
+    Attributes:
+        command: The motion.
+        duration: How long it takes at full override, s.
+        q: Joint positions at its end, (n,), rad (m).
+        limiting_axis: The axis that limits it.
+    """
+
+    command: MotionCommand
+    duration: float
+    q: Array
+    limiting_axis: str
+
+
+@dataclass(frozen=True)
+class JogBasis:
+    """What a motion of the page is based on.
+
+    Attributes:
+        speeds: The highest speeds.
+        settings: Those of planning_node, with its tool and base.
+    """
+
+    speeds: JogSpeeds
+    settings: MotionSettings
+
+    def in_program_base(self, pose: Pose) -> Pose:
+        """A pose in the robot's base, seen from the base of the settings.
+
+        That stays as it is: whatever happens to the page, the program moves in its own base afterwards.
+        """
+        return frame(self.settings.base, 'base').inverse() @ pose
+
+
+def step_command(
+    robot: BaseRobotModel, jog: JogCommand, size: float, q: Array, basis: JogBasis
+) -> MotionCommand:
+    """The motion of one step.
+
+    Args:
+        robot: The robot.
+        jog: Direction, and part of the highest jog speed.
+        size: Of the step, rad or m.
+        q: Where the robot stands, (n,), rad (m).
+        basis: Speeds, tool and base.
+
+    Raises:
+        JointLimitError: the step leads an axis out of its limits.
+    """
+    way = float(np.copysign(size, jog.share))
+    settings = jog_settings(abs(jog.share), basis.speeds)
+    axes = robot.axes_data
+    if jog.frame == 'axes':
+        target = np.array(q)
+        target[jog.index] += way
+        return MotionCommand(JOINT, 0, '', q=read_only(axes.check_position(target, 'q')), settings=settings)
+    pose = Pose(*robot.direct_kinematics(q)) @ basis.settings.tool_pose
+    way_of = way * jog.direction()
+    turn = rotation_from_vector(way_of[3:])
+    if jog.frame == 'tool':
+        target_pose = pose @ Pose(way_of[:3], turn)
+    else:
+        target_pose = Pose(pose.r + way_of[:3], turn @ pose.T)
+    return MotionCommand(LINE, 0, '', pose=basis.in_program_base(target_pose), settings=settings)
+
+
+def target_command(
+    robot: BaseRobotModel, way: Way, values: Sequence[float], share: float, basis: JogBasis
+) -> MotionCommand:
+    """The motion to a typed target.
+
+    Args:
+        robot: The robot.
+        way: How it is given and reached.
+        values: Joint positions (n,), rad (m); or x, y, z (m) and orientation angles (rad) of the tool centre
+            point in the robot's base, in the robot's convention.
+        share: Part of the highest jog speed, (0, 1].
+        basis: Speeds, tool and base.
+
+    Raises:
+        InvalidInputError: another number of values, or one that is not finite.
+        JointLimitError: a position outside its limits.
+    """
+    settings = jog_settings(share, basis.speeds)
+    if way == 'joints':
+        q = robot.axes_data.check_position(finite_vector(values, robot.num_axes, 'q'), 'q')
+        return MotionCommand(JOINT, 0, '', q=read_only(q), settings=settings)
+    numbers = finite_vector(values, 6, 'pose')
+    pose = Pose.from_angles(numbers[:3], numbers[3:], robot.orientation_convention)
+    kind = LINE if way == 'line' else JOINT_TO_POSE
+    return MotionCommand(kind, 0, '', pose=basis.in_program_base(pose), settings=settings)
+
+
+def jog_settings(share: float, speeds: JogSpeeds) -> Mapping[str, Any]:
+    """Settings of planning_node for a motion as slow as a jog."""
+    if not 0.0 < share <= 1.0:
+        raise InvalidInputError(f'jog speed = {share:g} must be in (0, 1]')
+    return MappingProxyType(
+        {
+            'speed_fraction': share * speeds.fraction,
+            'acceleration_fraction': ACCELERATION,
+            'cartesian_speed': share * speeds.tool,
+            'rotation_speed': share * ROTATION_SPEED,
+            'blend_zone': 0.0,
+            'joint_blend_zone': 0.0,
+        }
+    )
+
+
+class MotionPreview:
+    """Plans motions as planning_node will, and makes joint motions so slow that no tool is too fast.
+
+    An instance keeps scratch memory: use one per thread.
+
+    Args:
+        planning: The planner, with the scene that motions are checked in.
+    """
+
+    def __init__(self, planning: PathPlanning) -> None:
+        self._planning = planning
+
+    def plan(self, command: MotionCommand, q: Array, settings: MotionSettings, tool_speed: float) -> Preview:
+        """Plan a motion.
+
+        Args:
+            command: The motion.
+            q: Where the robot stands, (n,), rad (m).
+            settings: Those of planning_node, of which the command changes some.
+            tool_speed: Highest speed of the tool centre point, m/s.
+
+        Raises:
+            RobotsError: as `PathPlanning.plan`.
+        """
+        planned = self._planned(command, q, settings)
+        fastest = self._fastest(planned, settings.tool_pose.r) if command.kind is not LINE else 0.0
+        if fastest > tool_speed:
+            fraction = float(str(command.settings['speed_fraction'])) * SPEED_MARGIN * tool_speed / fastest
+            slower = MappingProxyType({**command.settings, 'speed_fraction': fraction})
+            command = replace(command, settings=slower)
+            planned = self._planned(command, q, settings)
+        end = read_only(planned.trajectory.position[-1])
+        return Preview(command, planned.duration, end, planned.limiting_axis)
+
+    def _planned(self, command: MotionCommand, q: Array, settings: MotionSettings) -> PlannedMotion:
+        target = command.q if command.q is not None else command.pose
+        assert target is not None
+        wanted = MotionSettings(**{**vars(settings), **command.settings})
+        return self._planning.plan(command.kind, q, target, wanted)
+
+    def _fastest(self, planned: PlannedMotion, tool: Array) -> float:
+        robot, trajectory = self._planning.robot, planned.trajectory
+        times = np.linspace(0.0, trajectory.duration, SAMPLES)
+        q = trajectory.sample(times)[0]
+        places = np.array([r + T @ tool for r, T in map(robot.direct_kinematics, q)])
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max() / times[1])

@@ -1,0 +1,1 @@
+"""Guided sequences that measure tools, bases and payloads."""

@@ -1,0 +1,1 @@
+"""Loops that keep time: schedules, real-time threads, watchdogs."""

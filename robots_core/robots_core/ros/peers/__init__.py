@@ -1,0 +1,1 @@
+"""Who else is there: heartbeats, presence, namesakes, publishers and their names."""

@@ -1,0 +1,118 @@
+"""Heartbeats: a process that dies or freezes is noticed by the nodes that depend on it."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from rclpy.serialization import serialize_message
+from std_msgs.msg import UInt64
+
+from robots_core.periodic.periodic_thread import PeriodicThread
+from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.watchdog import LONGEST, LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
+from robots_core.ros.qos import make_publisher
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.timed_node import TimedNode
+
+HEARTBEAT: Final = 'heartbeat'
+PERIOD: Final = 0.04  # s
+
+
+class Heartbeat:
+    """Publishes `~/heartbeat` from a thread of its own: callbacks that take long do not hold it up.
+
+    Its number is the time when it began: a process that was restarted has another.
+
+    In simulated time none is needed: lock-step misses a lost process by itself.
+
+    Args:
+        node: The node, complete.
+    """
+
+    def __init__(self, node: TimedNode) -> None:
+        self._node = node
+        self.began: Final = time.time_ns()
+        """On the clock of the system, which machines share."""
+        self._publisher = make_publisher(node, UInt64, f'~/{HEARTBEAT}')
+        self._message = serialize_message(UInt64(data=self.began))
+        self._last = math.inf
+        self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
+        self._thread.start()
+
+    def beat(self, now: float) -> None:
+        """Publish a sign of life; after a long silence `TimedNode.held_up` is called first."""
+        silence, self._last = now - self._last, now
+        if silence >= SHORTEST:
+            self._node.held_up(silence)
+        self._publisher.publish(self._message)
+
+    def stop(self) -> None:
+        """End it before the node is destroyed."""
+        self._thread.stop()
+
+
+class HeartbeatWatch:
+    """Notices that other nodes, once seen, have died or frozen; in the executor's thread.
+
+    One that comes back as another process before its silence was noticed has been lost too.
+
+    In simulated time, and with a timeout of 0, none is ever lost.
+
+    Args:
+        node: The node that watches.
+        names: Names of the nodes, in the namespace of this one.
+        timeout: See `Watchdog`, s.
+        on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
+    """
+
+    def __init__(
+        self, node: TimedNode, names: Sequence[str], timeout: float, on_change: Callable[[str, str], None]
+    ) -> None:
+        self._node, self._timeout, self._on_change = node, timeout, on_change
+        self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
+        self._processes: dict[str, bytes] = {}  # their last signs of life
+        if timeout == 0.0 or node.simulated_time:
+            return
+        for name in names:
+            beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
+            self._watched[name] = beats, Watchdog(timeout, processor_share)
+        node.create_timer(timeout / LOOKS, self._look)
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Names of the nodes that are lost now."""
+        return tuple(name for name, (_, watchdog) in self._watched.items() if watchdog.lost)
+
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """Names of the nodes that have given no sign of life yet."""
+        return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
+
+    def _look(self) -> None:
+        now = self._node.now()
+        for name, (beats, watchdog) in self._watched.items():
+            before, beat = watchdog.lost, beats.take()
+            if beat is not None and beat != self._processes.setdefault(name, beat):
+                self._processes[name] = beat
+                if not before:
+                    self._on_change(name, f'{name} has died and was started anew')
+                    before = True
+            if watchdog.look(now, alive=beat is not None):
+                reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
+                self._on_change(name, reason)
+            elif before and not watchdog.lost:
+                self._on_change(name, '')
+
+
+def watchdog_parameter(node: RobotNode) -> float:
+    """Declare parameter `watchdog` and return its value, s."""
+    value: float = node.parameter(
+        'watchdog',
+        WATCHDOG,
+        'without a sign of life for this long another node is lost, s; 0: none is watched',
+        bounds=(0.0, LONGEST),
+        read=checked_watchdog,
+    )
+    return value

@@ -1,0 +1,1 @@
+"""How a process of nodes runs: executor, loops, interrupts, middleware, help."""

@@ -1,0 +1,120 @@
+"""The one place that spins: start a node, serve it, and end it cleanly."""
+
+import atexit
+import faulthandler
+import gc
+import inspect
+import os
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import try_shutdown
+
+from robots_core.errors import RobotsError
+from robots_core.exit_codes import ExitCode
+from robots_core.ros.peers.heartbeat import Heartbeat
+from robots_core.ros.peers.namesake_watch import NamesakeWatch
+from robots_core.ros.running.interrupt import interrupt
+from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.middleware import choose_transports
+from robots_core.ros.running.node_help import asks_for_help, check_parameter_names, help_text
+from robots_core.ros.timed_node import TimedNode
+
+END_DEADLINE = 20.0  # s
+STDERR = 2  # its descriptor, whatever `sys.stderr` is
+
+
+def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
+    """Run a node, see `run_nodes`; or print what it is, with `--help`."""
+    if asks_for_help(args):
+        print(help_text(make_node))
+        return ExitCode.OK
+    return run_nodes([make_node], args)
+
+
+def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | None = None) -> int:
+    """Run nodes in this process until it is interrupted or its context is shut down.
+
+    A mistake of the user (a `RobotsError`) is reported in one line, without traceback.
+
+    Args:
+        make_nodes: Create the nodes once ROS is initialised.
+        args: Command line; `sys.argv` by default.
+
+    Returns:
+        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured, or beside
+        another one of its name. Nodes that have not ended after `END_DEADLINE` end the process with 1 and the
+        stacks of all threads.
+    """
+    # A process that ends need not look through all that it has loaded: that takes half a second.
+    atexit.register(gc.freeze)
+    choose_transports()
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    nodes: list[TimedNode] = []
+    executor: LeanExecutor | None = None
+    heartbeats: list[Heartbeat] = []
+
+    def wake() -> None:
+        if executor is None:
+            # Models and compiled code may take long to load, and there is nothing to close yet.
+            sys.stdout.flush()
+            os._exit(0)
+        executor.create_task(lambda: None)  # woken alone, an executor with nothing to do waits on
+
+    with interrupt(wake) as stopping:
+        try:
+            nodes.extend(make_node() for make_node in make_nodes)
+            check_parameter_names(nodes, args)
+            # A logger looks for its caller, the first time through all modules: not while a robot moves.
+            inspect.stack()
+            executor = LeanExecutor()
+            for node in nodes:
+                executor.add_node(node)
+            for node in nodes:
+                if not node.simulated_time:
+                    heartbeats.append(Heartbeat(node))
+                    if node.alone:
+                        NamesakeWatch(node, heartbeats[-1])
+            gc.freeze()  # what exists now is kept as long as the node
+            together = _reported_together(nodes)
+            while nodes[0].context.ok() and not stopping.is_set():
+                with together():
+                    executor.spin_once()
+        except ExternalShutdownException:
+            return ExitCode.OK
+        except RobotsError as error:
+            print(error.line_for_person, file=sys.stderr)
+            return ExitCode.BAD_INPUT
+        finally:
+            # Fast DDS 2.14 can wait without end for a participant that leaves while its own is destroyed, and
+            # rclpy does not let other threads run Python meanwhile: only compiled code can end the process.
+            faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=STDERR)
+            _end(nodes, heartbeats, executor)
+            faulthandler.cancel_dump_traceback_later()
+    return ExitCode.OK
+
+
+def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
+    """What nodes in lock-step report in a round of the executor is sent at its end."""
+    participants = [node.participant for node in nodes if node.participant is not None]
+    if not participants:
+        return nullcontext
+    outbox = participants[0].outbox
+    for participant in participants:
+        participant.outbox = outbox
+    return outbox.together
+
+
+def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:
+    for heartbeat in heartbeats:
+        heartbeat.stop()
+    # The page, the bag and the last messages are closed before another signal may end the process.
+    for node in nodes:
+        node.destroy_node()
+    if executor is not None:
+        executor.shutdown()
+    try_shutdown()

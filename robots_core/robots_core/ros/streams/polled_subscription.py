@@ -1,0 +1,92 @@
+"""A subscription that a real-time loop empties itself, without the executor."""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.participant import PATIENCE, Participant
+from robots_core.ros.peers.identified_messages import IdentifiedMessages
+from robots_core.ros.qos import polled_qos
+
+
+class PolledSubscription:
+    """Newest message of a topic, taken when asked for.
+
+    Waking the executor costs several times what taking a message does; a loop that looks once per period
+    anyway needs no waking. In lock-step, what was sent in earlier phases is waited for when the loop looks:
+    the messages taken do not depend on the machine.
+
+    Args:
+        node: Where the subscription belongs.
+        message_type: The topic's type.
+        topic: The topic's name.
+        qos: Depth 1 for the newest message only; by default that of the suite's topic.
+        raw: Take messages as bytes, not deserialized.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        message_type: Any,
+        topic: str,
+        qos: QoSProfile | None = None,
+        *,
+        raw: bool = False,
+    ) -> None:
+        qos = polled_qos(topic) if qos is None else qos
+        self._subscription = node.create_subscription(
+            message_type, topic, _never_called, qos, callback_group=NeverExecuted(), raw=raw
+        )
+        participant: Participant | None = getattr(node, 'participant', None)
+        self._participant = None if participant is None or participant.started else participant
+        self._topic: str = self._subscription.topic_name
+        self._now: Callable[[], float] = getattr(node, 'now', time.monotonic)
+        self._watch = node.writer_watch(topic) if hasattr(node, 'writer_watch') else None
+        if self._watch is not None:
+            self._identified = IdentifiedMessages(self._subscription)
+        self._newest = 0  # sequence number of the message
+
+    def take(self) -> Any:
+        """The newest message since the last call, or None."""
+        newest = None
+        for message, _ in self.take_all():
+            newest = message
+        return newest
+
+    def take_all(self) -> Iterator[tuple[Any, dict[str, int]]]:
+        """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns).
+
+        There is no info where a topic has its writers (see `RobotNode.writer_watch`).
+        """
+        subscription, deadline = self._subscription, math.inf
+        if self._watch is not None:
+            while (identified := self._identified.take()) is not None:
+                message, identity = identified
+                if self._watch.accepts(identity, self._now()):
+                    yield message, {}
+            return
+        while True:
+            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is not None:
+                self._newest = taken[1]['publication_sequence_number']
+                deadline = math.inf
+                yield taken
+            elif self._participant is None or not self._participant.is_behind(self._topic, self._newest):
+                return
+            else:
+                deadline = min(deadline, time.monotonic() + PATIENCE)
+                self._participant.wait_for_message(self._topic, deadline)
+
+    @property
+    def publishers(self) -> int:
+        """Number of matched publishers."""
+        return int(self._subscription.get_publisher_count())
+
+
+def _never_called(message: object) -> None:
+    del message

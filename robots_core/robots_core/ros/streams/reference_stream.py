@@ -1,0 +1,72 @@
+"""ReferenceStream: publishes one-point JointTrajectory messages at a high rate, at little cost."""
+
+import time
+from collections.abc import Sequence
+
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core.ros.lockstep.counted import CountedPublisher
+from robots_core.ros.lockstep.phases import NANOSECONDS
+from robots_core.ros.messages import doubles
+from robots_core.ros.qos import make_publisher
+from robots_core.ros.streams.serialized_rows import SerializedRows
+from robots_core.validation import Array
+
+EMPTY_SEQUENCE_SIZE = 4
+DURATION_SIZE = 8
+
+
+class ReferenceStream:
+    """Publisher of `trajectory_msgs/JointTrajectory` with one point and always the same joints.
+
+    Only the stamp and 3 n numbers change from message to message; they are written into `SerializedRows`.
+
+    Args:
+        node: Owner; stamps are on its clock.
+        topic: Topic name.
+        names: Joint names, n of them.
+        time_from_start: The point's time, s.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        names: Sequence[str],
+        *,
+        time_from_start: float,
+    ) -> None:
+        self._publisher = make_publisher(node, JointTrajectory, topic)
+        if isinstance(self._publisher, CountedPublisher):
+            self._publish = self._publisher.publish
+        else:
+            self._publish = self._publisher.handle.publish_raw  # without its checks of the argument
+        self._simulated = bool(getattr(node.get_clock(), 'ros_time_is_active', False))
+        n = len(names)
+
+        def message(rows: Array) -> JointTrajectory:
+            position, velocity, acceleration = map(doubles, rows)
+            point = JointTrajectoryPoint(positions=position, velocities=velocity, accelerations=acceleration)
+            point.time_from_start.sec = int(time_from_start)
+            point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
+            return JointTrajectory(joint_names=list(names), points=[point])
+
+        self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
+        self._last: Array | None = None
+
+    def publish(self, reference: Array, deadline: float) -> None:
+        """Publish a reference.
+
+        Args:
+            reference: (3, n): position, velocity, acceleration; never changed after it was published.
+            deadline: When it was due, s on the clock of `TimedNode.now`: the message's stamp, free of the
+                jitter of sending.
+        """
+        if self._simulated:
+            nanoseconds = round(NANOSECONDS * deadline)
+        else:
+            nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
+        if reference is not self._last:  # one that stands is the same from period to period
+            self._serialized.rows[:] = self._last = reference
+        self._publish(self._serialized.stamped(nanoseconds))
