@@ -169,7 +169,7 @@ class ProgramPanel:
             self._editor.close()
         text = self._viewer.texts
         if not program.path:
-            self._source.set_content(escape(text('program.none', folder=self._folder)))
+            self._source.set_content(_note(text('program.none', folder=self._folder)))
             return
         names = self._choice.options
         name = str(Path(program.path).relative_to(self._folder)) if self._is_listed(program.path) else ''
@@ -178,7 +178,7 @@ class ProgramPanel:
             self._source.set_content(_lines(read_program(program.path, file)))
             self._cursor = self._cursor or self._source.content.count('data-line=')
         except RobotsError:
-            self._source.set_content(escape(text('program.unreadable', file=file)))
+            self._source.set_content(_note(text('program.unreadable', file=file)))
 
     def _put_cursor(self, line: int) -> None:
         self._cursor = line
@@ -240,6 +240,11 @@ def _written(program: Path, file: str) -> float:
     """When a file was written; 0 for none."""
     path = program_file(program, file)
     return path.stat().st_mtime if path.is_file() else 0.0
+
+
+def _note(text: str) -> str:
+    """Wrapped, unlike lines of a program."""
+    return f'<p class="note">{escape(text)}</p>'
 
 
 def _lines(text: str) -> str:
