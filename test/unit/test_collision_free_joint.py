@@ -16,6 +16,7 @@ from robots_core.blocks.collision.results import CollisionError
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError
 from robots_core.robot_model.shapes import Box, Capsule, Geometry, Mesh, Sphere
 from robots_planning import CollisionFreeJoint, MotionSettings, PathPlanning, Trajectory
+from robots_planning.free_paths import free_path_search
 from robots_planning.free_paths.free_path_search import (
     SLICE,
     FreePathSearch,
@@ -114,6 +115,35 @@ def test_random_numbers_are_those_that_are_published():
     state = np.array([1234567], dtype=np.uint64)
     expected = (6457827717110365317, 3203168211198807973, 9817491932198370423)
     assert [uniform(state) for _ in expected] == [(value >> 11) * 2.0**-53 for value in expected]
+
+
+def test_the_duration_that_ways_are_compared_by_is_about_that_of_their_motions():
+    from robots_planning.free_paths.search_kernel import duration  # noqa: PLC0415
+
+    axes = robot().axes_data
+    limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
+    assert math.isclose(
+        duration(limits, np.array([START, TARGET])),
+        planner(None).generate(START, TARGET).duration,
+        rel_tol=0.02,
+    )
+    for seed in range(5):
+        generator = planner(around_post(), seed=seed)
+        motion = generator.generate(START, TARGET)
+        assert generator.via is not None
+        estimate = duration(limits, np.array([START, *generator.via, TARGET]))
+        assert 0.8 < estimate / motion.duration < 1.1
+
+
+def test_changes_of_a_way_make_its_motion_faster(monkeypatch: pytest.MonkeyPatch):
+    def mean() -> float:
+        return float(
+            np.mean([planner(around_post(), seed=k).generate(START, TARGET).duration for k in range(5)])
+        )
+
+    changed = mean()
+    monkeypatch.setattr(free_path_search, 'CHANGES', 0)
+    assert changed < 0.9 * mean()
 
 
 def test_jerk_limits_are_kept_on_request():

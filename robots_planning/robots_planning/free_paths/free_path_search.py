@@ -20,9 +20,13 @@ POSTURES_PER_SECOND: Final = 25_000
 """What a search looks at in a second of its budget; one posture takes 15 to 35 us on an AMD EPYC core."""
 SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 15 ms
 CAPACITY: Final = 1024  # rows of a tree at first
-SHORTCUTS: Final = 60
+CHANGES: Final = 80  # of a way, tried to make it take less time,
+CHANGES_LOOK: Final = 1500  # until so many postures were looked at
 MOST_BLOCKING: Final = 3  # pairs that a refusal names
-AROUND: Final = np.pi  # rad (m), beyond start and target that postures are sampled in
+# How far beyond start and target postures are sampled, rad (m): close by first, where short ways are, and
+# farther away with the number of postures in vain.
+AROUND, WIDEST = 1.0, np.pi
+TWICE_AS_WIDE: Final = 1000  # postures
 
 
 class NoFreePathError(PlanningError):
@@ -49,10 +53,10 @@ class FreeWay:
 
 
 class FreePathSearch:
-    """Searches with two trees whose edges are certified, and shortens what it finds.
+    """Searches with two trees whose edges are certified, and makes what it finds take less time.
 
     The result depends on start, targets, scene, margin and seed alone: the budget counts postures, not time,
-    and what is computed of angles decides only between yes and no.
+    the speed limits are the robot's own, and what is computed of angles decides only between yes and no.
 
     Args:
         robot: The robot.
@@ -78,7 +82,7 @@ class FreePathSearch:
         self._weights = self._axes.velocity.max() / self._axes.velocity
 
     def way(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreeWay:
-        """A short way from a free posture to one of several, the first that a free line leads to if any.
+        """A fast way from a free posture to one of several, the first that a free line leads to if any.
 
         Args:
             start: (n,) rad (m).
@@ -103,13 +107,16 @@ class FreePathSearch:
         certificate.work[0] = 0
         random: Random = np.array([self._seed], dtype=np.uint64)
         path = self._searched((certificate, margins), np.vstack([start, targets]), random, cancelled)
+        axes = self._axes
+        limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
         path = shorten(
             certificate.body,
             certificate.placed,
             margins,
-            self._weights,
+            limits,
             path,
-            SHORTCUTS,
+            CHANGES,
+            CHANGES_LOOK,
             random,
             certificate.work,
         )
@@ -129,7 +136,7 @@ class FreePathSearch:
         blocked: Indices = np.zeros(margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
         box = np.array([ends.min(axis=0), ends.max(axis=0)])
-        domain, work = self._domain(box), certificate.work
+        work = certificate.work
         most = int(self._budget * POSTURES_PER_SECOND)
         while work[0] < most:
             if cancelled():
@@ -139,7 +146,7 @@ class FreePathSearch:
                 certificate.placed,
                 margins,
                 box,
-                domain,
+                self._domain(box, int(work[0])),
                 self._weights,
                 trees,
                 counts,
@@ -159,10 +166,11 @@ class FreePathSearch:
                 )
         raise self._none(trees, blocked, closest)
 
-    def _domain(self, box: Array) -> Array:
-        """Lowest and highest posture of samples, (2, n): inside the limits, a turn where they are wide."""
-        low = np.maximum(self._axes.lower, box[0] - AROUND)
-        return np.array([low, np.minimum(self._axes.upper, box[1] + AROUND)])
+    def _domain(self, box: Array, work: int) -> Array:
+        """Lowest and highest posture of samples, (2, n), inside the limits, after `work` postures."""
+        around = min(AROUND * (1.0 + work / TWICE_AS_WIDE), WIDEST)
+        low = np.maximum(self._axes.lower, box[0] - around)
+        return np.array([low, np.minimum(self._axes.upper, box[1] + around)])
 
     def _none(self, trees: tuple[Tree, Tree], blocked: Indices, closest: Array) -> NoFreePathError:
         names: dict[tuple[str, str], int] = {}

@@ -8,10 +8,10 @@ from robots_core.blocks.collision.path_certificate import FREE
 from robots_core.errors import PlanningError
 from robots_core.validation import Array
 from robots_planning.free_paths.free_path_search import FreeWay
+from robots_planning.free_paths.search_kernel import LARGEST_CUT
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.quintic import quintic_coefficients
 
-LARGEST_CUT: Final = 0.49  # of a line at one of its ends; the rest separates two corners
 SHORTEST: Final = 1e-9  # rad (m) of the axis that moves most; shorter lines are rounding
 NARROWER: Final = 0.7
 TRIES: Final = 30  # the last corner is a 30 000th of its line

@@ -1,5 +1,5 @@
-# ruff: noqa: PLR0917  # compiled loops over arrays
-"""Search for a free way between postures by two trees, compiled.
+# ruff: noqa: PLR0917, C901  # compiled loops over arrays
+"""Search for a free way between postures by two trees, and its shortening, compiled.
 
 RRT-Connect (Kuffner and LaValle 2000) whose edges are all certified. Random numbers are integer arithmetic
 (splitmix64; Steele, Lea and Flood 2014), and postures are made of sums and products alone, so that a search
@@ -27,8 +27,16 @@ Tree = tuple[Array, Indices]
 Random = NDArray[np.uint64]
 """State of a generator of random numbers, (1,)."""
 
-PATIENCE = 3  # shortcuts in a row that are not free
 RANGE = 1.2  # of one edge, in the weighted norm
+LARGEST_CUT = 0.49  # of a line at one of its ends that a rounded corner replaces; the rest separates corners
+CORNER = 0.75  # curvature in the middle of a rounded corner, of the turn over the length that it cuts
+SHORTCUTS = 0.4  # of all tries; the others move a posture
+GAIN = 0.998  # of a duration; less is not worth a certificate
+PROPOSALS = 10  # of a moved posture, of which the first that saves time is certified
+# How far postures are moved at first, at least and at most, in seconds at the axes' highest speed, and the
+# factors of that for a move that was free, was not, or was not found.
+STEP, SMALLEST_STEP, LARGEST_STEP = 0.1, 0.003, 0.3
+MOVED, BLOCKED, NOT_FOUND = 1.5, 0.85, 0.7
 
 
 @compiled()
@@ -157,57 +165,125 @@ def grow(
 
 
 @compiled()
+def duration(axes: Array, path: Array) -> float:
+    """About the time, s, that a path through postures takes from rest to rest, its corners rounded.
+
+    Speed and acceleration limits hold on the lines and in the middle of the corners; torques are left out.
+
+    Args:
+        axes: See `shorten`.
+        path: Postures, (k, n); infinite where two in a row are equal.
+    """
+    count, n = path.shape
+    lengths, top, acceleration = np.empty(count - 1), np.empty(count - 1), np.empty(count - 1)
+    directions, u = np.empty((count - 1, n)), np.zeros(count)  # u: squares of speeds
+    for k in range(count - 1):
+        squared = 0.0
+        for axis in range(n):
+            directions[k, axis] = path[k + 1, axis] - path[k, axis]
+            squared += directions[k, axis] ** 2
+        lengths[k] = sqrt(squared)
+        if lengths[k] == 0.0:
+            return inf
+        top[k] = acceleration[k] = inf
+        for axis in range(n):
+            directions[k, axis] /= lengths[k]
+            part = abs(directions[k, axis])
+            if part > 0.0:
+                top[k] = min(top[k], (axes[2, axis] / part) ** 2)
+                acceleration[k] = min(acceleration[k], axes[3, axis] / part)
+        if k > 0:
+            u[k] = min(top[k - 1], top[k], u[k - 1] + 2.0 * acceleration[k - 1] * lengths[k - 1])
+            cut = LARGEST_CUT * min(lengths[k - 1], lengths[k])
+            for axis in range(n):
+                turn = abs(directions[k, axis] - directions[k - 1, axis])
+                if turn > 0.0:
+                    u[k] = min(u[k], axes[3, axis] * cut / (CORNER * turn))
+    total = 0.0
+    for k in range(count - 2, -1, -1):
+        if k > 0:
+            u[k] = min(u[k], u[k + 1] + 2.0 * acceleration[k] * lengths[k])
+        peak = min(top[k], 0.5 * (u[k] + u[k + 1]) + acceleration[k] * lengths[k])
+        fast = sqrt(peak)
+        steady = lengths[k] - (2.0 * peak - u[k] - u[k + 1]) / (2.0 * acceleration[k])
+        total += (2.0 * fast - sqrt(u[k]) - sqrt(u[k + 1])) / acceleration[k] + max(steady, 0.0) / fast
+    return total
+
+
+@compiled()
 def shorten(
     body: BodyArrays,
     placed: PlacedArrays,
     margins: Array,
-    weights: Array,
+    axes: Array,
     path: Array,
     tries: int,
+    most: int,
     random: Random,
     work: Indices,
 ) -> Array:
-    """A shorter free path through other postures, (k, n), by shortcuts (Geraerts and Overmars 2007).
+    """A free path through other postures, (k, n), that takes less time.
+
+    Shortcuts (Geraerts and Overmars 2007) and moved postures, each kept where it makes `duration` smaller and
+    is free. Postures are moved by steps that adapt, as in a (1+1) evolution strategy.
 
     Args:
         body: The robot and its scene.
         placed: Scratch memory.
         margins: Distance that each pair keeps, (p,) m.
-        weights: Of the axes in the norm that is made smaller, (n,).
+        axes: Lower and upper limits of the axes, highest speeds and accelerations, (4, n).
         path: Postures, (m, n), with free lines between them.
-        tries: Number of shortcuts that are tried at most, until `PATIENCE` in a row are not free.
+        tries: Number of changes that are tried.
+        most: Number of postures after which no more are tried.
         random: Random numbers.
         work: Number of postures that were looked at.
     """
     path = _without_detours(body, placed, margins, path, work)
-    failed = 0
+    n, step, time, until = path.shape[1], STEP, duration(axes, path), work[0] + most
     for _ in range(tries):
         count = len(path)
-        if count == 2 or failed == PATIENCE:
+        if count == 2 or work[0] >= until:
             break
-        along = np.zeros(count)
-        for row in range(1, count):
-            along[row] = along[row - 1] + distance(weights, path[row - 1], path[row])
-        low, high = along[-1] * uniform(random), along[-1] * uniform(random)
-        low, high = min(low, high), max(low, high)
-        i, j = 0, 0
-        while i < count - 2 and along[i + 1] <= low:
-            i += 1
-        while j < count - 2 and along[j + 1] <= high:
-            j += 1
-        if i == j or along[i + 1] == along[i] or along[j + 1] == along[j]:
+        if uniform(random) < SHORTCUTS:
+            low, high = (count - 1) * uniform(random), (count - 1) * uniform(random)
+            low, high = min(low, high), max(low, high)
+            i, j = int(low), int(high)
+            if i == j:
+                continue
+            changed = np.empty((i + 2 + count - j, n))
+            changed[: i + 1], changed[i + 3 :] = path[: i + 1], path[j + 1 :]
+            changed[i + 1] = path[i] + (low - i) * (path[i + 1] - path[i])
+            changed[i + 2] = path[j] + (high - j) * (path[j + 1] - path[j])
+            new = duration(axes, changed)
+            # The pieces that are left of both lines are parts of free ones.
+            if (
+                new < GAIN * time
+                and certify_line(body, placed, changed[i + 1], changed[i + 2], margins, work)[0] == FREE
+            ):
+                path, time = changed, new
             continue
-        first = path[i] + (low - along[i]) / (along[i + 1] - along[i]) * (path[i + 1] - path[i])
-        last = path[j] + (high - along[j]) / (along[j + 1] - along[j]) * (path[j + 1] - path[j])
-        failed += 1
-        # The pieces that are left of both lines are parts of free ones.
-        if certify_line(body, placed, first, last, margins, work)[0] == FREE:
-            shorter = np.empty((i + 3 + count - 1 - j, path.shape[1]))
-            shorter[: i + 1], shorter[i + 1], shorter[i + 2] = path[: i + 1], first, last
-            shorter[i + 3 :] = path[j + 1 :]
-            path = shorter
-            failed = 0
-    return _without_detours(body, placed, margins, path, work)
+        k, changed, new = 1 + int((count - 2) * uniform(random)), path.copy(), inf
+        for _ in range(PROPOSALS):
+            for axis in range(n):
+                moved = path[k, axis] + step * axes[2, axis] * (2.0 * uniform(random) - 1.0)
+                changed[k, axis] = min(max(moved, axes[0, axis]), axes[1, axis])
+            new = duration(axes, changed)
+            if new < GAIN * time:
+                break
+        if new >= GAIN * time:
+            step = max(NOT_FOUND * step, SMALLEST_STEP)
+            continue
+        work[0] += 1
+        if (
+            blocking_pair(body, placed, changed[k], margins) == FREE
+            and certify_line(body, placed, path[k - 1], changed[k], margins, work)[0] == FREE
+            and certify_line(body, placed, changed[k], path[k + 1], margins, work)[0] == FREE
+        ):
+            path, time = changed, new
+            step = min(MOVED * step, LARGEST_STEP)
+        else:
+            step = max(BLOCKED * step, SMALLEST_STEP)
+    return path
 
 
 @compiled()

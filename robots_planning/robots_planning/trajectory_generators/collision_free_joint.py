@@ -38,7 +38,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
     """The axes move on a path that is certified free between its samples, in the shortest time along it.
 
     Where the straight line in joint space is free, the path is that line. Otherwise two trees of certified
-    lines are searched for a way (`FreePathSearch`), which is made shorter and whose corners are rounded. The
+    lines are searched for a way (`FreePathSearch`), which is made faster and whose corners are rounded. The
     motion does not stop at them. Velocity, acceleration and torque limits hold everywhere (see
     `TimeOptimalTiming`), with `jerk_limited` those of the jerk too.
 
