@@ -32,7 +32,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import UInt8
 from trajectory_msgs.msg import JointTrajectory
 
-from plant_partners import ModbusPartner, MqttPartner, OpcuaPartner, certificate
+from opcua_partners import OpcuaPartner, certificate
+from plant_partners import ModbusPartner, MqttPartner
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult

@@ -89,6 +89,13 @@ class Served:
         )
         self.keys: dict[str, tuple[str, str]] = {}
 
+    def renewed(self, **changes: Any) -> Served:
+        """The same without what was called and told before."""
+        self.cell.calls, self.cell.error = [], None
+        self.told.clear()
+        self.show(**changes)
+        return self
+
     def show(self, **changes: Any) -> None:
         """Show a state."""
         self.server.update(replace(STATE, **changes))

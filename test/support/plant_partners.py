@@ -6,21 +6,12 @@ import asyncio
 import json
 import socket
 import threading
-from collections.abc import Coroutine, Sequence
+from collections.abc import Coroutine
 from contextlib import suppress
-from dataclasses import replace
-from pathlib import Path
 from typing import Any, TypeVar
 
 import paho.mqtt.client as mqtt
-import pytest
 from amqtt.broker import Broker
-from asyncua import server as opcua
-from asyncua import ua
-from asyncua.crypto.cert_gen import setup_self_signed_certificate
-from asyncua.crypto.permission_rules import User, UserRole
-from asyncua.server.internal_subscription import InternalSubscription
-from cryptography.x509.oid import ExtendedKeyUsageOID
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
@@ -38,16 +29,6 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return int(probe.getsockname()[1])
-
-
-def certificate(folder: Path, name: str) -> tuple[str, str]:
-    """Files of a self-signed certificate of an application and its key."""
-    key, made = folder / f'{name}.pem', folder / f'{name}.der'
-    use = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
-    asyncio.run(
-        setup_self_signed_certificate(key, made, f'urn:{name}', 'localhost', use, {'commonName': name})
-    )
-    return str(made), str(key)
 
 
 class Partner:
@@ -92,7 +73,27 @@ class Partner:
         await asyncio.gather(*others, return_exceptions=True)
 
 
-class Line(Partner):
+class Listening(Partner):
+    """A server of bare bytes, at a free port."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.port = free_port()
+        self._server: asyncio.Server | None = None
+
+    async def _start(self) -> None:
+        self._server = await asyncio.start_server(self._connect, '127.0.0.1', self.port)
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
+    async def _connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        raise NotImplementedError
+
+
+class Line(Listening):
     """The line to a server: what the server sends arrives late, or not before it is let through.
 
     Args:
@@ -102,21 +103,14 @@ class Line(Partner):
 
     def __init__(self, port: int, delay: float = 0.0) -> None:
         super().__init__()
-        self.port = free_port()
         self.delay = delay
         self._to = port
         self._through = asyncio.Event()
         self._through.set()
         self._clients: list[asyncio.StreamWriter] = []
-        self._server: Any = None
-
-    async def _start(self) -> None:
-        self._server = await asyncio.start_server(self._connect, '127.0.0.1', self.port)
 
     async def _stop(self) -> None:
-        if self._server is not None:
-            self._server.close()
-            self._server = None
+        await super()._stop()
         for client in self._clients:
             client.close()
 
@@ -143,6 +137,33 @@ class Line(Partner):
                     await asyncio.sleep(self.delay)
                     await self._through.wait()
                 writer.write(data)
+        writer.close()
+
+
+class Babbler(Listening):
+    """A server that answers whatever it is sent with the same bytes.
+
+    Args:
+        answer: The bytes.
+        end: What it does then: 'close', 'wait' or 'repeat' them without end.
+    """
+
+    def __init__(self, answer: bytes, end: str) -> None:
+        super().__init__()
+        self.clients = 0
+        self._answer, self._end = answer, end
+
+    async def _connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.clients += 1
+        with suppress(ConnectionError):
+            await reader.read(65536)
+            writer.write(self._answer)
+            await writer.drain()
+            while self._end == 'repeat':
+                writer.write(self._answer)
+                await writer.drain()
+            if self._end == 'wait':
+                await reader.read()
         writer.close()
 
 
@@ -285,170 +306,3 @@ class MqttPartner(Partner):
         """Publish to many topics as the device."""
         for message in [self._device.publish(topic, payload, 1) for topic, payload in messages.items()]:
             message.wait_for_publish(DEADLINE)
-
-
-class OverflowMarks:
-    """Marks what servers of asyncua send after values that their queues have dropped, as OPC 10000-4 has it.
-
-    asyncua drops them without a mark.
-    """
-
-    OVERFLOW = ua.StatusCode(0x0480)
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.count = 0
-        """Of values that were dropped."""
-        self._plain = InternalSubscription._enqueue_event
-        monkeypatch.setattr(InternalSubscription, '_enqueue_event', self._marking())
-
-    def _marking(self) -> Any:
-        async def enqueue(subscription: Any, item: int, event: Any, size: int, queue: dict[int, Any]) -> None:
-            full = 0 < size <= len(queue.get(item, ()))
-            await self._plain(subscription, item, event, size, queue)
-            if full:
-                self.count += 1
-                oldest = queue[item][0]
-                value = replace(oldest.Value, StatusCode=self.OVERFLOW)
-                queue[item][0] = replace(oldest, Value=value)
-
-        return enqueue
-
-
-class Babbler(Partner):
-    """A server that answers whatever it is sent with the same bytes.
-
-    Args:
-        answer: The bytes.
-        end: What it does then: 'close', 'wait' or 'repeat' them without end.
-    """
-
-    def __init__(self, answer: bytes, end: str) -> None:
-        super().__init__()
-        self.port = free_port()
-        self.clients = 0
-        self._answer, self._end = answer, end
-        self._server: Any = None
-
-    async def _start(self) -> None:
-        self._server = await asyncio.start_server(self._connect, '127.0.0.1', self.port)
-
-    async def _stop(self) -> None:
-        if self._server is not None:
-            self._server.close()
-            self._server = None
-
-    async def _connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self.clients += 1
-        with suppress(ConnectionError):
-            await reader.read(65536)
-            writer.write(self._answer)
-            await writer.drain()
-            while self._end == 'repeat':
-                writer.write(self._answer)
-                await writer.drain()
-            if self._end == 'wait':
-                await reader.read()
-        writer.close()
-
-
-class OpcuaPartner(Partner):
-    """An OPC UA server of asyncua, with variables of a namespace of its own.
-
-    To make it takes seconds: it stops and starts with the same variables. Whoever does without encryption is
-    let in; users and applications that it does not know are not.
-
-    Args:
-        variables: Values by name; an int is an Int32.
-        certificate: Files of its certificate and key.
-        users: Passwords by name.
-        strangers: Applications whose certificates it does not trust.
-    """
-
-    NAMESPACE = 'urn:robots:press'
-
-    def __init__(
-        self,
-        variables: dict[str, Any],
-        certificate: tuple[str, str],
-        users: dict[str, str],
-        strangers: tuple[str, ...] = (),
-    ) -> None:
-        super().__init__()
-        self.port = free_port()
-        self.endpoint = f'opc.tcp://127.0.0.1:{self.port}'
-        self._users, self._strangers = users, strangers
-        self._nodes: dict[str, Any] = {}
-        self._server = self.call(self._made(variables, certificate))
-        self._listens = False
-
-    async def _made(self, variables: dict[str, Any], certificate: tuple[str, str]) -> Any:
-        server = opcua.Server(user_manager=self)
-        await server.init()
-        server.set_endpoint(self.endpoint)
-        await server.load_certificate(certificate[0])
-        await server.load_private_key(certificate[1])
-        policies = ua.SecurityPolicyType
-        server.set_security_policy([policies.NoSecurity, policies.Basic256Sha256_SignAndEncrypt])
-        server.set_certificate_validator(self._look_at_certificate)
-        index = await server.register_namespace(self.NAMESPACE)
-        for name, value in variables.items():
-            kind = ua.VariantType.Int32 if type(value) is int else None
-            node = await server.nodes.objects.add_variable(ua.NodeId(name, index), name, value, kind)
-            await node.set_writable()
-            self._nodes[name] = node
-        await server.start()
-        await server.bserver.stop()
-        return server
-
-    async def _start(self) -> None:
-        await self._server.bserver.start()
-        self._listens = True
-
-    async def _stop(self) -> None:
-        if self._listens:
-            await self._server.bserver.stop()
-            self._listens = False
-
-    def end(self) -> None:
-        """End the server and its thread."""
-        self.stop()
-        self.call(self._server.iserver.stop())
-        super().end()
-
-    def get_user(self, _server: Any, username: str = '', password: str = '', **_: Any) -> User | None:
-        """Of a client; None refuses it."""
-        known = not username or self._users.get(username) == password
-        return User(role=UserRole.User) if known else None
-
-    async def _look_at_certificate(self, _certificate: Any, application: Any) -> None:
-        if application.ApplicationUri in self._strangers:
-            raise ua.UaStatusCodeError(ua.StatusCodes.BadCertificateUntrusted)
-
-    def set(self, name: str, value: Any) -> None:
-        """Set a variable."""
-        self.call(self._nodes[name].write_value(value))
-
-    def get(self, name: str) -> Any:
-        """Value of a variable."""
-        return self.call(self._nodes[name].read_value())
-
-    def flood(self, name: str, values: Sequence[Any]) -> None:
-        """Set a variable to one value after the other before the server sends any."""
-        self.call(self._flood(self._nodes[name], values))
-
-    @staticmethod
-    async def _flood(node: Any, values: Sequence[Any]) -> None:
-        for value in values:
-            await node.write_value(value)
-
-    def end_subscriptions(self) -> None:
-        """Inform all clients that their subscriptions have timed out."""
-        self.call(self._end_subscriptions())
-
-    async def _end_subscriptions(self) -> None:
-        for subscription in self._server.iserver.subscription_service.subscriptions.values():
-            await subscription.enqueue_statuschange(ua.StatusCode(ua.StatusCodes.BadTimeout))
-
-    def protect(self, name: str, *, writable: bool) -> None:
-        """Let clients write a variable, or not."""
-        self.call(self._nodes[name].set_writable(writable))

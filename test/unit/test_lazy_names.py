@@ -65,6 +65,12 @@ LEAN: dict[tuple[str, ...], tuple[str, ...]] = {
 }
 
 
+def printed(program: str) -> list[str]:
+    """What a process of its own prints, by words."""
+    done = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
 @cache
 def loaded(unneeded: tuple[str, ...]) -> dict[str, list[str]]:
     """Which of the modules that `LEAN` does not let them load were there after each import."""
@@ -92,8 +98,7 @@ def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy
         'robot.rigid_dynamics(robot.home, robot.home, robot.home);'
         f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
-    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
-    assert loaded.stdout.split() == []
+    assert printed(program) == []
 
 
 def test_a_line_of_the_tool_is_planned_without_scipy():
@@ -105,8 +110,7 @@ def test_a_line_of_the_tool_is_planned_without_scipy():
         'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T));'
         f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
-    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
-    assert loaded.stdout.split() == []
+    assert printed(program) == []
 
 
 def test_garbage_is_collected_after_numba_is_loaded_as_before():
@@ -115,8 +119,7 @@ def test_garbage_is_collected_after_numba_is_loaded_as_before():
         'print(before == gc.isenabled())'
     )
     for choice in ('gc.enable()', 'gc.disable()'):
-        command = [sys.executable, '-P', '-c', program.format(choice)]
-        assert run(command, capture_output=True, text=True, check=True).stdout.split() == ['True']
+        assert printed(program.format(choice)) == ['True']
 
 
 def test_scipy_and_numba_have_their_linear_algebra_all_the_same():
@@ -128,5 +131,4 @@ def test_scipy_and_numba_have_their_linear_algebra_all_the_same():
         'print(np.allclose(solve(A, b), scipy.linalg.solve(A, b) + A @ b));'
         'print("dgemm" in cython_blas.__pyx_capi__, "dgesdd" in cython_lapack.__pyx_capi__)'
     )
-    done = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ['True'] * 3
+    assert printed(program) == ['True'] * 3

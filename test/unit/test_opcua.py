@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from asyncua import ua
 
+from opcua_partners import OpcuaPartner, OverflowMarks, certificate
 from plant_bench import PlantBench
-from plant_partners import Babbler, Line, OpcuaPartner, OverflowMarks, certificate
+from plant_partners import Babbler, Line
 from robots_controller.io.io_map import parse_io_map
 from robots_core.errors import InvalidInputError
 
@@ -238,8 +239,9 @@ def test_a_server_that_sends_what_is_no_opc_ua_is_left_and_tried_again(answer: b
     bench = PlantBench(text + ROWS)
     bench.until(lambda: babbler.clients >= 3, 'three attempts')
     bench.until(lambda: problem in str(bench.bridge.problems), 'the reason')
-    first, reason = [told for told in bench.told if told.startswith('opcua line: ')]
-    assert first == 'opcua line: not connected yet'
+    *before, reason = [told for told in bench.told if told.startswith('opcua line: ')]
+    # The first attempt may have failed before the bridge looks at all.
+    assert before in ([], ['opcua line: not connected yet'])
     assert problem in reason
     bench.close()
     babbler.end()

@@ -60,10 +60,7 @@ def server(folder: Path) -> Iterator[Served]:
 
 @pytest.fixture
 def served(server: Served) -> Served:
-    server.cell.calls, server.cell.error = [], None
-    server.told.clear()
-    server.show(program=ShownProgram('', RunState.IDLE))
-    return server
+    return server.renewed(program=ShownProgram('', RunState.IDLE))
 
 
 def expanded(path: str, **of: Any) -> ua.Variant:

@@ -25,7 +25,8 @@ from opcua_bench import (
     Served,
 )
 from opcua_client import ROBOTICS, Nodes
-from plant_partners import DEADLINE, certificate
+from opcua_partners import certificate
+from plant_partners import DEADLINE
 from robots_controller.opcua.robot_server import RobotServer
 from robots_controller.opcua.server_settings import ServerSettings, read_server_settings
 from robots_controller.pendant.pendant_state import ShownProgram
@@ -113,10 +114,7 @@ nameplate: {{manufacturer: KUKA, serial_number: '4711'}}
 
 @pytest.fixture
 def secured(secured_server: Served) -> Served:
-    secured_server.cell.calls, secured_server.cell.error = [], None
-    secured_server.told.clear()
-    secured_server.show(io=replace(STATE.io))
-    return secured_server
+    return secured_server.renewed(io=replace(STATE.io))
 
 
 OPERATOR = {'user': 'press', 'password': 'secret', 'key': 'plc'}
