@@ -24,6 +24,7 @@ DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner':
 NOTHING: Final = (0.0, 0.0, 0.0, 0.0)
 FARTHEST: Final = {'tool': 10.0, 'base': 1000.0}  # m
 ON_BLOCKED: Final = ('stop', 'replan')
+SHOWN: Final = 60  # characters of a value that is refused
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -259,9 +260,24 @@ def settings_from_text(texts: Mapping[str, str]) -> MotionSettings:
     for name, text in texts.items():
         if name not in DESCRIPTIONS:
             raise InvalidInputError(f'unknown setting {name!r}; settings are {", ".join(DESCRIPTIONS)}')
-        try:
-            value = json.loads(text)
-        except json.JSONDecodeError:
-            raise InvalidInputError(f'{name} = {text!r} is not JSON') from None
-        values[name] = tuple(value) if isinstance(value, list) else value
+        values[name] = _value_from_text(name, text)
     return MotionSettings(**values)
+
+
+def _value_from_text(name: str, text: str) -> Any:
+    default = getattr(MotionSettings, name)
+    try:
+        value = json.loads(text)
+        if isinstance(default, tuple) and isinstance(value, list) and all(map(_is_number, value)):
+            return tuple(map(float, value))
+        if isinstance(default, float) and _is_number(value):
+            return float(value)
+    except (ValueError, RecursionError, OverflowError):
+        raise InvalidInputError(f'{name} = {text[:SHOWN]!r} is not JSON, or too large') from None
+    if type(value) is not type(default):
+        raise InvalidInputError(f'{name} = {text[:SHOWN]} is not of the type of {json.dumps(default)}')
+    return value
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

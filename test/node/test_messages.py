@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from geometry_msgs.msg import Pose as PoseMessage
@@ -77,3 +79,8 @@ def test_poses_and_twists_in_base_link_come_into_the_base() -> None:
     twist.header.frame_id = 'camera'
     with pytest.raises(InvalidInputError, match="frame 'camera' is unknown"):
         twist_in_base(twist, base_link)
+    twist.header.frame_id = 'base_link'
+    for value in (math.nan, math.inf, 1e308):
+        twist.twist.angular.z = value
+        with pytest.raises(InvalidInputError, match='twist'):
+            twist_in_base(twist, base_link)

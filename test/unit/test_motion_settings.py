@@ -45,6 +45,12 @@ def test_every_setting_is_told() -> None:
         ({'tool': '[1, 2]'}, 'tool must have'),
         ({'speed_fraction': '2.0'}, 'speed_fraction'),
         ({'cartesian_speed': 'NaN'}, 'cartesian_speed'),
+        ({'payload': '1.0'}, r'payload = 1.0 is not of the type of \[0.0, 0.0, 0.0, 0.0\]'),
+        ({'tool': '[1, "x"]'}, 'tool = .* is not of the type of'),
+        ({'avoid': '1'}, 'avoid = 1 is not of the type of false'),
+        ({'most_replans': '2.5'}, 'most_replans = 2.5 is not of the type of 5'),
+        ({'tool': 5000 * '['}, "tool = '\\[+' is not JSON"),
+        ({'base': f'[{10**400}]'}, 'base = .* too large'),
     ],
 )
 def test_what_is_no_setting_is_refused(texts: dict[str, str], message: str) -> None:

@@ -56,6 +56,13 @@ def test_what_is_not_measured_has_no_curve() -> None:
     assert trends.curve('unknown', 10.0)[0].size == 0
 
 
+def test_what_is_too_large_for_a_curve_is_left_out() -> None:
+    trends = Trends(AXES)
+    for time, distance in ((0.0, 0.5), (1.0, 1e36), (2.0, 1e308)):
+        trends.add(time, replace(state(0.25), distance=distance))
+    assert trends.curve('distance', 10.0)[1] == pytest.approx([500.0])
+
+
 @pytest.mark.parametrize('count', [1, 7, SAMPLES, SAMPLES + 1, 3 * SAMPLES + 5])
 def test_the_last_minutes_are_kept_in_bounded_memory(count: int) -> None:
     trends = Trends(AXES)

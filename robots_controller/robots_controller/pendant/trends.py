@@ -77,7 +77,8 @@ class Trends:
                 self._signals = tuple(self._all_signals())
             row = self._count % SAMPLES
             self._times[row] = now
-            self._values[row] = [*self._sample(state)]
+            with np.errstate(over='ignore'):  # what is too large counts as missing
+                self._values[row] = [*self._sample(state)]
             self._count += 1
 
     def curve(self, key: str, window: float) -> tuple[Array, Array]:

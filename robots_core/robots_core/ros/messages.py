@@ -17,6 +17,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
 from robots_core.base_frames import BASE_FRAME, frame_in_base
+from robots_core.blocks.following.pose_reference import FASTEST
 from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
@@ -173,11 +174,12 @@ def twist_in_base(message: TwistStamped, base_link: Pose) -> Array:
         base_link: See `BaseRobotModel.base_link`.
 
     Raises:
-        InvalidInputError: it is in another frame.
+        InvalidInputError: another frame, or values that are not finite or beyond `FASTEST`.
     """
     v, w = message.twist.linear, message.twist.angular
     turn = frame_in_base(message.header.frame_id, base_link).T
-    return np.ravel(np.array([[v.x, v.y, v.z], [w.x, w.y, w.z]]) @ turn.T)
+    twist = bounded_vector([v.x, v.y, v.z, w.x, w.y, w.z], 6, 'twist', FASTEST, 'm/s, rad/s')
+    return np.ravel(twist.reshape(2, 3) @ turn.T)
 
 
 def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = BASE_FRAME) -> PoseStamped:
