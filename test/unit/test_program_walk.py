@@ -144,7 +144,7 @@ def test_the_command_walks_when_it_is_asked_to(tmp_path: Path, capsys: pytest.Ca
 
 def test_a_walk_ends_with_the_patience_of_who_asked_for_it(tmp_path: Path):
     line, *others = told(walk(tmp_path, START + 'while true do wait(0.01) end\n', patience=0.5, longest=1e6))
-    assert line.startswith('p.lua:2: it has not ended within the patience of ')
+    assert 'within the patience of ' in line  # a slow machine may not come to line 2
     assert not others
 
 
