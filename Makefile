@@ -171,6 +171,10 @@ chaos: build  ## Kill and freeze every node of a cell at COUNT=50 random moments
 soak: build  ## A cell that works for DURATION=3600 s: lateness of its loops, memory of its processes, as a table and a page
 	@$(RUN) $(ENDURANCE) python -m soak $(or $(DURATION),3600) $(OPTIONS)
 
+.PHONY: fuzz-messages
+fuzz-messages: build .venv/.installed_tests  ## 10 000 generated messages to every topic of every node, the same in every run
+	@$(RUN) python -m pytest -n $$(nproc) --dist worksteal --timeout 0 --hypothesis-profile=many test/node/test_message_fuzz.py
+
 .PHONY: fuzz
 fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files, Lua and generated programs: for DURATION=600 s
 	@$(RUN) $(ENDURANCE) python -m fuzz $(or $(DURATION),600) $(OPTIONS)

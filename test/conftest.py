@@ -29,10 +29,9 @@ if TYPE_CHECKING:
 settings.register_profile(
     'robots', derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
-# More of them, and others each time: pytest --hypothesis-profile=fuzz ...
-settings.register_profile(
-    'fuzz', settings.get_profile('robots'), derandomize=False, max_examples=1_500, print_blob=True
-)
+# More of them: pytest --hypothesis-profile=many ...; and others each time: --hypothesis-profile=fuzz
+settings.register_profile('many', settings.get_profile('robots'), max_examples=1_500)
+settings.register_profile('fuzz', settings.get_profile('many'), derandomize=False, print_blob=True)
 settings.load_profile('robots')
 
 AnyNode = TypeVar('AnyNode')

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import random
 import re
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -105,6 +107,23 @@ def _break(draw: st.DrawFn, message: Any, texts: tuple[str, ...]) -> None:
         setattr(message, name, items)
     else:
         setattr(message, name, draw(values(field_type, texts)))
+
+
+def mixed(messages: Sequence[Any], rng: random.Random) -> Any:
+    """A message of the type of these, each field of it and each item of a sequence from any of them."""
+    fields = {}
+    for name, field_type in messages[0].get_fields_and_field_types().items():
+        found = [getattr(message, name) for message in messages]
+        if _SEQUENCE.match(field_type) or _ARRAY.match(field_type):
+            items = [item for value in found for item in value]
+            fields[name] = [_of_any(items, rng) for _ in rng.choice(found)]
+        else:
+            fields[name] = _of_any(found, rng)
+    return type(messages[0])(**fields)
+
+
+def _of_any(found: Sequence[Any], rng: random.Random) -> Any:
+    return mixed(found, rng) if hasattr(found[0], 'get_fields_and_field_types') else rng.choice(found)
 
 
 def _item_type(field_type: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterator
 from typing import Any, Final
 
@@ -22,7 +23,7 @@ from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.lean_executor import LeanExecutor
 
-from .generated_messages import messages_of, nearly
+from .generated_messages import messages_of, mixed, nearly
 from .suite_nodes import OPTIONS, suite_nodes
 from .valid_messages import valid_messages
 
@@ -31,7 +32,8 @@ OWN: Final = ('/clock', '/parameter_events')  # rclpy's
 TICK: Final = 0.05  # s: every timer and loop of the nodes has its turn
 PATIENCE: Final = 240.0  # s
 MOST: Final = 8  # messages in a batch
-EXAMPLES: Final = 3 if settings().derandomize else 50
+# Examples of each topic, and messages mixed from those of an example: by `make fuzz-messages`, 10 000 to each topic.
+EXAMPLES, MIXED = (50, 200) if settings().max_examples > 100 else (3, 36)
 # Depth and durability for all subscriptions; liveliness for those that ask for a lease.
 QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -85,12 +87,15 @@ class FuzzBench:
     def tick(self, time: float = TICK) -> None:
         """Let the node handle what came, advance its clock, and let it handle what that makes due."""
         self._drain()
+        self._advance(time)
+        self._drain()
+
+    def _advance(self, time: float) -> None:
         self._time += round(time * NANOSECONDS)
         message = Clock()
         message.clock.sec, message.clock.nanosec = divmod(self._time, NANOSECONDS)
         self._clock.publish(message)
         self.until(lambda: self.node.get_clock().now().nanoseconds == self._time)
-        self._drain()
 
     def send(self, subscription: Any, messages: list[Any]) -> None:
         """Publish a batch; the node serves a request after it."""
@@ -98,8 +103,11 @@ class FuzzBench:
             publisher.publish(self.examples(one.msg_type)[0])
         self.tick()
         count_cases('messages', len(messages))
-        for message in messages:
+        for number, message in enumerate(messages, 1):
             self._publishers[subscription].publish(message)
+            self.executor.spin_once(0.0)
+            if number % MOST == 0:
+                self._advance(TICK)
         self.tick()
         future = self._client.call_async(ListParameters.Request())
         self.until(future.done)
@@ -142,9 +150,11 @@ def test_every_topic_of_every_node_takes_any_message(bench: FuzzBench) -> None:
         one = nearly(bench.examples(kind), texts) | messages_of(kind, texts)
 
         @settings(max_examples=EXAMPLES)
-        @given(st.lists(one, min_size=1, max_size=MOST))
-        def check(messages: list[Any]) -> None:
-            bench.send(subscription, messages)  # noqa: B023  # called within the loop
+        @given(st.lists(one, min_size=1, max_size=MOST), st.integers(0, 2**32))
+        def check(messages: list[Any], seed: int) -> None:
+            rng = random.Random(seed)  # noqa: S311  # no secret
+            parts = [*messages, *bench.examples(kind)]  # noqa: B023  # called within the loop
+            bench.send(subscription, [*messages, *(mixed(parts, rng) for _ in range(MIXED))])  # noqa: B023
 
         check()
     bench.check_health()

@@ -9,6 +9,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import Pose
 from robots_core.blocks import AttachedObject, Scene, SceneObject
+from robots_core.blocks.collision.scene import OBJECT_COLOUR
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.scene_messages import markers, updated_scene
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
@@ -33,6 +34,21 @@ def test_objects_survive_a_message(geometry: Geometry):
         np.testing.assert_allclose(item.pose.r, POSE.r, atol=1e-12)
         np.testing.assert_allclose(item.pose.T, POSE.T, atol=1e-12)
     assert ([item.name for item in found.objects], [item.name for item in found.attached]) == (['a'], ['b'])
+
+
+@pytest.mark.parametrize(
+    ('channels', 'colour'),
+    [
+        ((0.25, 0.5, 0.75, 1.0), (0.25, 0.5, 0.75, 1.0)),
+        ((-3.0, 255.0, np.inf, 0.5), (0.0, 1.0, 1.0, 0.5)),
+        ((0.5, np.nan, 0.5, 1.0), OBJECT_COLOUR),
+    ],
+)
+def test_an_obstacle_counts_whatever_its_colour_is(channels: tuple[float, ...], colour: tuple[float, ...]):
+    message = markers(Scene((SceneObject('a', Sphere(0.1), POSE),)), Time())
+    c = message.markers[0].color
+    c.r, c.g, c.b, c.a = channels
+    assert [item.colour for item in updated_scene(Scene(), message).objects] == [colour]
 
 
 def test_objects_are_replaced_and_deleted_by_name():

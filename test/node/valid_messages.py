@@ -22,6 +22,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import BaseRobotModel, Pose
 from robots_core.ros.messages import doubles, pose_message, pose_stamped_message
+from robots_planning.motion_settings import MotionSettings, settings_as_text
 
 SHAPES: Final = (Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.TRIANGLE_LIST, Marker.MESH_RESOURCE)
 
@@ -56,7 +57,11 @@ def _poses(robot: BaseRobotModel, stamp: Time) -> list[Any]:
 def _statuses(_: BaseRobotModel, __: Time) -> list[Any]:
     pairs = {'id': '1.000000000', 'ended': '1.0', 'progress': '0.5', 'payload': '[1, 0, 0, 0]'}
     items = [KeyValue(key=key, value=value) for key, value in pairs.items()]
-    return [DiagnosticStatus(name='motion', level=level, values=items) for level in (b'\0', b'\2')]
+    settings = [KeyValue(key=key, value=value) for key, value in settings_as_text(MotionSettings()).items()]
+    return [
+        *(DiagnosticStatus(name='motion', level=level, values=items) for level in (b'\0', b'\2')),
+        DiagnosticStatus(name='settings', values=settings),
+    ]
 
 
 def _base_motions(_: BaseRobotModel, __: Time) -> list[Any]:

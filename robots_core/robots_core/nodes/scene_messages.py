@@ -9,10 +9,10 @@ from builtin_interfaces.msg import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core.base_frames import AT_BASE, BASE_FRAME, BASE_FRAMES, frame_in_base
-from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
+from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
+from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere, drawable_colour
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
@@ -50,7 +50,8 @@ def updated_scene(scene: Scene, message: MarkerArray, base_link: Pose = AT_BASE)
         frame, pose = marker.header.frame_id, pose_from_message(marker.pose)
         if frame in BASE_FRAMES:
             pose = frame_in_base(frame, base_link) @ pose
-        parts = name, _geometry(marker, name), pose, (c.r, c.g, c.b, c.a)
+        colour = drawable_colour((c.r, c.g, c.b, c.a), OBJECT_COLOUR)
+        parts = name, _geometry(marker, name), pose, colour
         if frame == TOOL_FRAME:
             attached[name] = AttachedObject(*parts)
         elif frame in BASE_FRAMES:

@@ -1,5 +1,6 @@
 """Shapes fixed to the frames of a robot, for display and for collision checks."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -91,6 +92,15 @@ class Mesh:
 
 
 Geometry = Box | Cylinder | Capsule | Sphere | Mesh
+Colour = tuple[float, float, float, float]
+
+
+def drawable_colour(channels: Sequence[float], otherwise: Colour) -> Colour:
+    """Red, green, blue, opacity of a foreign source: each clipped to 0..1; another colour where one is NaN."""
+    if np.isnan(channels).any():
+        return otherwise
+    red, green, blue, opacity = np.clip(channels, 0.0, 1.0).tolist()
+    return red, green, blue, opacity
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,5 +118,5 @@ class Shape:
     geometry: Geometry
     frame: int
     pose: Pose
-    colour: tuple[float, float, float, float] = (0.7, 0.7, 0.7, 1.0)
+    colour: Colour = (0.7, 0.7, 0.7, 1.0)
     name: str = ''

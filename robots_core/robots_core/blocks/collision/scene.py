@@ -6,9 +6,9 @@ from robots_core.blocks.zones.zone import Zone
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import Pair, ordered_pair
-from robots_core.robot_model.shapes import Geometry
+from robots_core.robot_model.shapes import Colour, Geometry
 
-OBJECT_COLOUR = (0.55, 0.6, 0.66, 1.0)
+OBJECT_COLOUR: Colour = (0.55, 0.6, 0.66, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class PlacedObject:
     name: str
     geometry: Geometry
     pose: Pose
-    colour: tuple[float, float, float, float] = OBJECT_COLOUR
+    colour: Colour = OBJECT_COLOUR
 
 
 class SceneObject(PlacedObject):

@@ -10,12 +10,12 @@ import yourdfpy
 
 from robots_core.errors import InvalidInputError, RobotsError, UnknownRobotError
 from robots_core.pose import Pose
-from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Shape, Sphere
+from robots_core.robot_model.shapes import Box, Colour, Cylinder, Geometry, Shape, Sphere, drawable_colour
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.outer_hull import read_outer_hull
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 
-DEFAULT_COLOUR = (0.7, 0.7, 0.7, 1.0)
+DEFAULT_COLOUR: Colour = (0.7, 0.7, 0.7, 1.0)
 
 
 def urdf_shapes(
@@ -73,15 +73,14 @@ def _shapes(
     return tuple(shapes)
 
 
-def _colour(element: Any, palette: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float]:
+def _colour(element: Any, palette: dict[str, tuple[float, ...]]) -> Colour:
     material = element.material
     if material is None:
         return DEFAULT_COLOUR
     rgba = palette.get(material.name, DEFAULT_COLOUR)
     if material.color is not None:
         rgba = tuple(float(part) for part in material.color.rgba)
-    red, green, blue, opacity = rgba
-    return red, green, blue, opacity
+    return drawable_colour(rgba, DEFAULT_COLOUR)
 
 
 def _geometry(geometry: Any, *, hulls: bool) -> Geometry:
