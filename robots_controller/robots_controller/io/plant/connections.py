@@ -6,8 +6,8 @@ from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_map import IoRow
 from robots_controller.io.plant.modbus.modbus_link import ModbusLink
 from robots_controller.io.plant.modbus.modbus_map import ModbusServer
-from robots_controller.io.plant.mqtt_link import MqttLink
-from robots_controller.io.plant.mqtt_map import MqttServer
+from robots_controller.io.plant.mqtt.mqtt_link import MqttLink
+from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
 from robots_controller.io.plant.opcua.opcua_link import OpcuaLink
 from robots_controller.io.plant.opcua.opcua_map import OpcuaServer
 from robots_controller.io.plant.plant_connection import PlantConnection
