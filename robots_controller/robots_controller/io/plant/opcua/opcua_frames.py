@@ -1,14 +1,15 @@
-"""FrameGuard: ends a connection whose server sends what is not OPC UA, or more than it may."""
+"""Ends connections whose partner sends what is not OPC UA, or more than it may: of clients and of servers."""
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from typing import Any, Final
 
-TYPES: Final = (b'ACK', b'ERR', b'OPN', b'MSG', b'CLO', b'RHE')
+TYPES: Final = (b'HEL', b'ACK', b'ERR', b'OPN', b'MSG', b'CLO', b'RHE')
 CHUNKS: Final = b'FCA'
 SIZES: Final = (8, 1 << 20)
-"""Of a chunk with its header, bytes: the client asks for chunks of at most 64 KiB."""
+"""Of a chunk with its header, bytes: both sides ask for chunks of at most 64 KiB."""
 LONGEST: Final = 16 << 20
 """Of a message with all its chunks, bytes."""
 MOST_CHUNKS: Final = 2048
@@ -31,28 +32,51 @@ class FrameGuard:
     def watch(self, client: Any) -> None:
         """Look at what a client of asyncua (`Client`, not its synchronous one) receives from now on."""
         client.max_messagesize, client.max_chunkcount = LONGEST, MOST_CHUNKS  # as the server is asked for
-        make = client.uaclient._make_protocol  # noqa: SLF001
+        _guard(client.uaclient, self._refusal)
 
-        def made() -> Any:
-            protocol = make()
-            take = protocol.data_received
-
-            def data_received(data: bytes) -> None:
-                if not self._refuses(protocol, data):
-                    take(data)
-                    self._refuses(protocol, b'')
-
-            protocol.data_received = data_received
-            return protocol
-
-        client.uaclient._make_protocol = made  # noqa: SLF001
-
-    def _refuses(self, protocol: Any, data: bytes) -> bool:
+    def _refusal(self, protocol: Any, data: bytes) -> str:
         start = (protocol.receive_buffer or b'')[: HEADER.size] + data[: HEADER.size]
         self.refused = self.refused or wrong_header(start) or _too_long(protocol._connection)  # noqa: SLF001
-        if self.refused and protocol.transport is not None:
-            protocol.transport.abort()
-        return bool(self.refused)
+        return self.refused
+
+
+async def start_guarded(server: Any) -> None:
+    """Start a server of asyncua, which by itself would wait for up to 4 GiB of each client."""
+    server.limits.max_message_size, server.limits.max_chunk_count = LONGEST, MOST_CHUNKS
+    await server.start()
+    # What makes its connections exists now, and listens already.
+    await server.bserver.stop()
+    _guard(server.bserver, _refusal)
+    await server.bserver.start()
+
+
+def _refusal(protocol: Any, data: bytes) -> str:
+    return wrong_header(protocol._buffer[: HEADER.size] + data[: HEADER.size])  # noqa: SLF001
+
+
+def _guard(maker: Any, refusal: Callable[[Any, bytes], str]) -> None:
+    """Abort connections, which `maker` makes, as soon as what they receive is refused with a reason."""
+    make = maker._make_protocol  # noqa: SLF001
+
+    def made() -> Any:
+        protocol = make()
+        take = protocol.data_received
+
+        def refuses(data: bytes) -> bool:
+            refused = bool(refusal(protocol, data))
+            if refused and protocol.transport is not None:
+                protocol.transport.abort()
+            return refused
+
+        def data_received(data: bytes) -> None:
+            if not refuses(data):
+                take(data)
+                refuses(b'')
+
+        protocol.data_received = data_received
+        return protocol
+
+    maker._make_protocol = made  # noqa: SLF001
 
 
 def wrong_header(start: bytes) -> str:
