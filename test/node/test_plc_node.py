@@ -9,7 +9,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from plant_partners import free_port
+from plant_partners import MqttPartner, free_port
 from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_controller.nodes.plc_node import PlcNode
 from robots_core.errors import InvalidInputError
@@ -75,11 +75,14 @@ def test_a_wrong_script_is_refused_at_start(ros_nodes: Any, tmp_path: Path):
         Robot(ros_nodes, tmp_path, 'rules:\n  - {set: {digital_input.1: 1}}\n')
 
 
-@pytest.mark.parametrize('protocol', ['modbus', 'opcua'])
+@pytest.mark.parametrize('protocol', ['modbus', 'opcua', 'mqtt'])
 def test_a_map_connects_a_robot_with_a_plc_that_is_a_server(
     ros_nodes: Any, tmp_path: Path, protocol: str
 ) -> None:
-    port = free_port()
+    broker = MqttPartner()
+    port = broker.port
+    if protocol == 'mqtt':
+        broker.start()
     places = {
         'modbus': (
             f'{{host: 127.0.0.1, port: {port}, response_timeout: 60.0, period: 0.02}}',
@@ -90,6 +93,11 @@ def test_a_map_connects_a_robot_with_a_plc_that_is_a_server(
             f"{{endpoint: 'opc.tcp://127.0.0.1:{port}', response_timeout: 60.0}}",
             'node: nsu=urn:robots:plc;s=digital_input.1',
             'node: nsu=urn:robots:plc;s=digital_output.1',
+        ),
+        'mqtt': (
+            f'{{host: 127.0.0.1, port: {port}, response_timeout: 60.0}}',
+            'topic: plc/digital_input.1',
+            'topic: plc/digital_output.1, retain: true',
         ),
     }
     server, read, written = places[protocol]
@@ -103,8 +111,9 @@ outputs: [{{channel: digital_output.1, {protocol}: {{{written}}}}}]
     robot.start_node(IoBridgeNode, io_map=str(io_map), watchdog=0.0)
     robot.switch(1)
     robot.wait(lambda: robot.digital and robot.digital[-1][1][0] == 1, 'the input that follows')
+    broker.end()
 
 
 def test_a_plc_in_simulated_time_is_no_server(ros_nodes: Any, tmp_path: Path) -> None:
-    with pytest.raises(InvalidInputError, match='a PLC in simulated time is no server'):
+    with pytest.raises(InvalidInputError, match='a PLC in simulated time is no server and at no broker'):
         Robot(ros_nodes, tmp_path, SCRIPT, modbus_port=free_port(), use_sim_time=True)

@@ -87,7 +87,7 @@ def test_transforms_of_all_links(ros_nodes: Any, tf_message: Any):
     parents = {one.child_frame_id: one.header.frame_id for one in static[0].transforms}
     assert parents == {
         'tool0': 'link_6',
-        'base_link': 'base',
+        'base': 'base_link',  # the root
         'flange': 'tool0',
         'tool': 'tool0',
         'work': 'base',

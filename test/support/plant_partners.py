@@ -247,20 +247,24 @@ class MqttPartner(Partner):
 
     Args:
         users: It knows whoever gives a name; nobody else is let in. By default everybody is.
+        certificate: PEM files of its certificate and key, with which it encrypts.
     """
 
-    def __init__(self, *, users: bool = False) -> None:
+    def __init__(self, *, users: bool = False, certificate: tuple[str, str] | None = None) -> None:
         super().__init__()
         self.port = free_port()
         self.heard: list[tuple[str, Any]] = []
         """Messages of all topics of the robot: topic and document."""
-        self._users = users
+        self._users, self._certificate = users, certificate
         self._broker: Any = None
         self._device: Any = None
 
     async def _start(self) -> None:
+        listener: dict[str, Any] = {'type': 'tcp', 'bind': f'127.0.0.1:{self.port}'}
+        if self._certificate:
+            listener |= {'ssl': True, 'certfile': self._certificate[0], 'keyfile': self._certificate[1]}
         config = {
-            'listeners': {'default': {'type': 'tcp', 'bind': f'127.0.0.1:{self.port}'}},
+            'listeners': {'default': listener},
             'plugins': {
                 'amqtt.plugins.authentication.AnonymousAuthPlugin': {'allow_anonymous': not self._users}
             },
@@ -278,6 +282,9 @@ class MqttPartner(Partner):
         super().start()
         self._device = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
         self._device.username_pw_set('device')
+        if self._certificate:
+            self._device.tls_set(self._certificate[0])
+            self._device.tls_insecure_set(True)  # the certificate is of another name of this machine
         self._device.on_message = lambda _client, _data, message: self.heard.append(
             (message.topic, json.loads(message.payload))
         )

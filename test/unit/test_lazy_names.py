@@ -22,7 +22,8 @@ SCIPY = ('scipy.spatial', 'scipy.linalg', 'scipy.interpolate')
 COMPILER = ('numba',)
 VIEW = ('viser',)
 LUA = ('lupa',)
-HEAVY = (*MESHES, *SCIPY, *COMPILER, *VIEW, *LUA)
+PLANT = ('asyncua', 'pymodbus', 'paho')
+HEAVY = (*MESHES, *SCIPY, *COMPILER, *VIEW, *LUA, *PLANT)
 
 
 @pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.__name__)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import socket
+import ssl
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from opcua_partners import certificate
 from plant_bench import DEADLINE, PlantBench
 from plant_partners import Line, MqttPartner
 from robots_controller.io.io_map import parse_io_map
@@ -230,6 +233,34 @@ def test_a_broker_that_knows_its_users(start: Start):
     stranger = start(partner, ROWS)
     stranger.until(lambda: 'the broker refuses the connection' in str(stranger.bridge.problems), 'why')
     connected(start(partner, ROWS, ', user: robot'))
+    partner.end()
+
+
+def pem(folder: Path, name: str) -> tuple[str, str]:
+    """Files of a certificate of localhost and its key."""
+    made, key = certificate(folder, name)
+    Path(made).with_suffix('.crt').write_text(ssl.DER_cert_to_PEM_cert(Path(made).read_bytes()))
+    return str(Path(made).with_suffix('.crt')), key
+
+
+def test_a_broker_that_encrypts_and_one_whose_certificate_is_not_trusted(tmp_path: Path):
+    own = pem(tmp_path, 'broker')
+    partner = MqttPartner(certificate=own)
+    partner.start()
+
+    def bench(trusted: str) -> PlantBench:
+        text = MAP.format(port=partner.port, more=f', tls: true, trusted: {trusted}')
+        return PlantBench(text.replace('127.0.0.1', 'localhost') + ROWS)
+
+    untrusting = bench(pem(tmp_path, 'other')[0])
+    untrusting.until(lambda: 'certificate verify failed' in str(untrusting.bridge.problems), 'the refusal')
+    known = connected(bench(own[0]))
+    partner.publish('plant/speed', '8')
+    known.until(lambda: known.inputs.get('analog_input.2') == 8.0, 'the input')
+    untrusting.step()
+    assert untrusting.inputs['analog_input.2'] == 0.0
+    for one in (untrusting, known):
+        one.close()
     partner.end()
 
 

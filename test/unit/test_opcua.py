@@ -12,7 +12,7 @@ from asyncua import ua
 
 from opcua_partners import OpcuaPartner, OverflowMarks, certificate
 from plant_bench import PlantBench
-from plant_partners import Babbler, Line
+from plant_partners import Babbler, Line, Listening
 from robots_controller.io.io_map import parse_io_map
 from robots_core.errors import InvalidInputError
 
@@ -41,7 +41,7 @@ Start = Callable[..., PlantBench]
 def start() -> Iterator[Start]:
     benches: list[PlantBench] = []
 
-    def made(partner: OpcuaPartner | Line, rows: str = ROWS, more: str = '') -> PlantBench:
+    def made(partner: OpcuaPartner | Listening, rows: str = ROWS, more: str = '') -> PlantBench:
         benches.append(
             PlantBench(MAP.format(endpoint=f'opc.tcp://127.0.0.1:{partner.port}', more=more) + rows)
         )
@@ -243,6 +243,24 @@ def test_a_server_that_sends_what_is_no_opc_ua_is_left_and_tried_again(answer: b
     # The first attempt may have failed before the bridge looks at all.
     assert before in ([], ['opcua line: not connected yet'])
     assert problem in reason
+    bench.close()
+    babbler.end()
+
+
+def chunks(count: int, size: int) -> bytes:
+    """The first chunks of a message that does not end, each as OPC UA has it."""
+    body = (size - 24) * b'x'
+    return b''.join(struct.pack('<3scIIIII', b'MSG', b'C', size, 0, 0, n, 1) + body for n in range(count))
+
+
+@pytest.mark.parametrize(('count', 'size'), [(257, 65536), (2049, 24)])
+def test_a_message_without_end_is_left_and_tried_again(start: Start, count: int, size: int):
+    babbler = Babbler(ACKNOWLEDGE + chunks(count, size), 'wait')
+    babbler.start()
+    bench = start(babbler)
+    problem = 'sends a message of more than 16 MiB or 2048 chunks'
+    bench.until(lambda: babbler.clients >= 2, 'another attempt')
+    bench.until(lambda: problem in str(bench.bridge.problems), 'the reason')
     bench.close()
     babbler.end()
 

@@ -15,8 +15,7 @@ from robots_controller.io.fail_safe import fail_safe_of
 from robots_controller.io.io_image import Channel, Direction
 from robots_controller.io.io_signals import channel_at, value_at
 from robots_controller.io.number_kinds import INTEGERS, bits_of
-from robots_controller.io.plant.plant_link import PlantServer
-from robots_controller.io.plant.protocols import PROTOCOLS, read_plant_place, read_servers
+from robots_controller.io.plant.protocols import PROTOCOLS, PlantServer, read_plant_place, read_servers
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml

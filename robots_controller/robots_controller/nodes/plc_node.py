@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
+from robots_controller.io.plant.mqtt.mqtt_plc import MqttPlc
 from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
 from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
@@ -27,8 +28,8 @@ IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 class PlcNode(RobotNode):
     """Subscribes to the outputs and sets the inputs by the rules of a script.
 
-    With a port for Modbus or OPC UA it is a server instead, as a PLC in a plant: an I/O map connects the
-    robot with it.
+    With a port for Modbus or OPC UA it is a server instead, and with one for MQTT a client of a broker, as a
+    PLC in a plant: an I/O map connects the robot with it.
 
     On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
     that have come since the last one, in their order.
@@ -43,6 +44,7 @@ class PlcNode(RobotNode):
         script = read_plc_script(path) if path else PlcScript(())
         servers: dict[Callable[..., PlcServer], int] = {
             ModbusPlc: self.parameter('modbus_port', 0, f'as a Modbus TCP server, {PORT}', bounds=PORTS),
+            MqttPlc: self.parameter('mqtt_port', 0, f'as a client of an MQTT broker {PORT}', bounds=PORTS),
             OpcuaPlc: self.parameter('opcua_port', 0, f'as an OPC UA server, {PORT}', bounds=PORTS),
         }
         self._plc = ScriptedPlc(script, self.now())
@@ -53,7 +55,9 @@ class PlcNode(RobotNode):
             make(script.channels, port, self._hear) for make, port in servers.items() if port
         ]
         if self._servers and self.simulated_time:
-            raise InvalidInputError('a PLC in simulated time is no server: its clients have another time')
+            raise InvalidInputError(
+                'a PLC in simulated time is no server and at no broker: clients have another time'
+            )
         # Where clients set the robot's inputs, their topic is not the PLC's.
         self._inputs = InputImages(self, () if self._servers else script.inputs)
         self._outputs = OutputImages(self, () if self._servers else self._plc.outputs, self._on_outputs)

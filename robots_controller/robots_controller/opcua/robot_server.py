@@ -12,6 +12,7 @@ from asyncua.common.callback import CallbackType
 from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPolicyNone
 
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
+from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES
 from robots_controller.opcua.node_writer import NAMESPACE
 from robots_controller.opcua.robot_nodes import RobotNodes
@@ -121,7 +122,7 @@ class RobotServer:
         await self._nodes.build()
         await self._nodes.task.link(self._control)
         server.subscribe_server_callback(CallbackType.PostWrite, self._on_written)
-        await server.start()
+        await start_guarded(server)
         self._server = server
 
     async def _load_certificate(self, server: Server) -> None:

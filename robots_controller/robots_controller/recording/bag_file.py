@@ -10,6 +10,7 @@ from typing import Any, Final
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat, QosDurability
 from rosbags.rosbag2 import Reader
 from rosbags.rosbag2.reader import DirectoryReader
+from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -140,10 +141,15 @@ Message = tuple[str, int, bytes]
 
 def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[Message, ...]]:
     with Reader(path) as reader:
-        written = reader.connections
-        if isinstance(reader.storage, DirectoryReader):
-            # Those in metadata.yaml can differ from them, as in their QoS, and would find no message.
-            written = [one for storage in reader.storage.storages for one in storage.connections]
+        storages = (
+            reader.storage.storages if isinstance(reader.storage, DirectoryReader) else [reader.storage]
+        )
+        # Those in metadata.yaml can differ from them, as in their QoS, and would find no message.
+        written = [one for storage in storages for one in storage.connections]
+        for storage in storages:
+            if isinstance(storage, McapReader) and not storage.chunks:
+                # Without an index it refuses messages that are not in the order of their times.
+                storage.messages = storage.messages_scan  # type: ignore[method-assign]
         return _topics([*reader.connections, *written]), _in_order(reader.messages(written))
 
 

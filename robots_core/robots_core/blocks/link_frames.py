@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from lxml import etree
 
+from robots_core.base_frames import BASE_FRAME, BASE_LINK
 from robots_core.pose import Pose
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, LinkTree, link_of
 from robots_core.validation import Array
@@ -37,7 +38,8 @@ class LinkFrames:
     """All links of a robot, in the order of its tree, and the frames that REP-199 adds.
 
     These are `base_link` and `base` at the root, and `flange` at `tool0`, where the description has no such
-    links. The base of a maker's controller may be turned against ours: that is not known.
+    links. `base_link` is the root, also where a description has it fixed to its root `base`. The base of a
+    maker's controller may be turned against ours: that is not known.
 
     Args:
         description: The robot as URDF, `tool0` its tip, see `BaseRobotModel.description`.
@@ -53,11 +55,13 @@ class LinkFrames:
             origin = FramePose(link_of(joint, 'parent'), link_of(joint, 'child'), _origin(joint))
             if joint.get('type') in MOVING_JOINTS:
                 self._moving.append(_MovingJoint(joint, origin))
+            elif (base, origin.parent, origin.child) == (BASE_FRAME, BASE_FRAME, BASE_LINK):
+                fixed.append(FramePose(BASE_LINK, BASE_FRAME, origin.pose.inverse()))
             else:
                 fixed.append(origin)
         for parent, child, pose in (
-            (base, 'base_link', Pose.identity()),
-            (base, 'base', Pose.identity()),
+            (base, BASE_LINK, Pose.identity()),
+            (base, BASE_FRAME, Pose.identity()),
             ('tool0', 'flange', FLANGE),
         ):
             if child not in tree.links:

@@ -1,11 +1,18 @@
 """The connections of an I/O map's servers."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_map import IoRow
+from robots_controller.io.plant.modbus.modbus_link import ModbusLink
+from robots_controller.io.plant.modbus.modbus_map import ModbusServer
+from robots_controller.io.plant.mqtt.mqtt_link import MqttLink
+from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
+from robots_controller.io.plant.opcua.opcua_link import OpcuaLink
+from robots_controller.io.plant.opcua.opcua_map import OpcuaServer
 from robots_controller.io.plant.plant_connection import PlantConnection
-from robots_controller.io.plant.plant_link import PlantServer
+from robots_controller.io.plant.plant_link import PlantLink
+from robots_controller.io.plant.protocols import PlantServer
 from robots_core.errors import InvalidInputError
 
 
@@ -33,7 +40,27 @@ def connect(
         else:
             inputs[row.place] = min(row.period, inputs.get(row.place, row.period))
     try:
-        link = server.link(inputs, outputs)
+        link = make_link(server, inputs, outputs)
     except InvalidInputError as error:
         raise (first.error(error.message) if first else error) from None
     return PlantConnection(server.port, link, wake, **options)
+
+
+def make_link(server: PlantServer, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
+    """A link to a server, not open yet.
+
+    Args:
+        server: The server.
+        inputs: Places to read, and how often where the protocol polls, s.
+        outputs: Places to write.
+
+    Raises:
+        InvalidInputError: the protocol's library is not installed.
+    """
+    match server:
+        case ModbusServer():
+            return ModbusLink(server, inputs)
+        case MqttServer():
+            return MqttLink(server, inputs, outputs)
+        case OpcuaServer():
+            return OpcuaLink(server, inputs, outputs)

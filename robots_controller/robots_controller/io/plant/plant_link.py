@@ -51,29 +51,6 @@ class PlantLink(Protocol):
         """End the connection, whether it is open or not."""
 
 
-class PlantServer(Protocol):
-    """A server that an I/O map declares."""
-
-    @property
-    def port(self) -> str:
-        """As of its places."""
-
-    @property
-    def polling(self) -> float | None:
-        """Period of inputs whose row has none, s; None where the server speaks by itself."""
-
-    def link(self, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
-        """A link to it, not open yet.
-
-        Args:
-            inputs: Places to read, and how often where the protocol polls, s.
-            outputs: Places to write.
-
-        Raises:
-            InvalidInputError: the protocol's library is not installed.
-        """
-
-
 def library(module: str, package: str, protocol: str) -> Any:
     """A protocol's library.
 

@@ -18,7 +18,7 @@ Heard = Callable[[str, float], None]
 
 
 class PlcServer(Protocol):
-    """A server; its channels are those of the robot."""
+    """A server, or a client of a broker; its channels are those of the robot."""
 
     def set(self, values: Mapping[Channel, float]) -> None:
         """Give inputs of the robot values."""

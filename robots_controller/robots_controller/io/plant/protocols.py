@@ -2,15 +2,18 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_map import read_modbus_place, read_modbus_server
-from robots_controller.io.plant.mqtt_map import read_mqtt_place, read_mqtt_server
-from robots_controller.io.plant.opcua.opcua_map import read_opcua_place, read_opcua_server
-from robots_controller.io.plant.plant_link import PlantServer
+from robots_controller.io.plant.modbus.modbus_map import ModbusServer, read_modbus_place, read_modbus_server
+from robots_controller.io.plant.mqtt.mqtt_map import MqttServer, read_mqtt_place, read_mqtt_server
+from robots_controller.io.plant.opcua.opcua_map import OpcuaServer, read_opcua_place, read_opcua_server
 from robots_core.yaml_section import YamlSection
+
+PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
+"""A server that a map declares: its `port`, as of its places, and `polling`, the period of inputs whose row
+has none, s; None where the server speaks by itself."""
 
 
 @dataclass(frozen=True)

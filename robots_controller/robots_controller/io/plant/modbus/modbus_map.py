@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import INTEGERS, KINDS
 from robots_core.yaml_section import YamlSection
-
-if TYPE_CHECKING:
-    from robots_controller.io.plant.plant_link import PlantLink
 
 TABLES: Final = ('coil', 'discrete_input', 'holding_register', 'input_register')
 WRITABLE: Final = ('coil', 'holding_register')
@@ -58,13 +53,6 @@ class ModbusServer:
     def polling(self) -> float:
         """Period of inputs whose row has none, s."""
         return self.period
-
-    def link(self, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
-        """A link to it, see `PlantServer`."""
-        from robots_controller.io.plant.modbus.modbus_link import ModbusLink  # noqa: PLC0415  # imports pymodbus
-
-        del outputs
-        return ModbusLink(self, inputs)
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ class OpcuaLink:
                 watchdog_intervall=server.response_timeout,
             )
             self._frames = FrameGuard()
-            self._frames.watch(self._client.aio_obj.uaclient)
+            self._frames.watch(self._client.aio_obj)
             self._secure()
             self._client.connect()
             self._nodes = {

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import read_kind
 from robots_controller.io.plant.credentials import Credentials, read_credentials
 from robots_core.yaml_section import YamlSection
-
-if TYPE_CHECKING:
-    from robots_controller.io.plant.plant_link import PlantLink
 
 POLICIES: Final = {
     'none': '',
@@ -59,12 +54,6 @@ class OpcuaServer:
     def polling(self) -> float:
         """Period of inputs whose row has none, s."""
         return self.period
-
-    def link(self, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
-        """A link to it, see `PlantServer`."""
-        from robots_controller.io.plant.opcua.opcua_link import OpcuaLink  # noqa: PLC0415  # imports asyncua
-
-        return OpcuaLink(self, inputs, outputs)
 
 
 @dataclass(frozen=True)

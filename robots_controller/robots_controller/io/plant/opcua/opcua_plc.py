@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
+from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.plant_link import library
 from robots_controller.io.plant.plc_server import HOST, Heard, check_port, served_sizes
 
@@ -52,7 +53,7 @@ class OpcuaPlc:
                     await node.set_writable()
                     self._names[node.nodeid] = name
         server.subscribe_server_callback(callbacks.CallbackType.PostWrite, self._on_written)
-        await server.start()
+        await start_guarded(server)
         return server
 
     def set(self, values: Mapping[Channel, float]) -> None:

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import read_kind
 from robots_controller.io.plant.credentials import Credentials, read_credentials
 from robots_controller.io.plant.json_pointer import JsonPointer
 from robots_core.yaml_section import YamlSection
-
-if TYPE_CHECKING:
-    from robots_controller.io.plant.plant_link import PlantLink
 
 
 @dataclass(frozen=True)
@@ -50,12 +44,6 @@ class MqttServer:
     def polling(self) -> None:
         """The broker speaks by itself."""
         return
-
-    def link(self, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
-        """A link to it, see `PlantServer`."""
-        from robots_controller.io.plant.mqtt_link import MqttLink  # noqa: PLC0415  # imports paho
-
-        return MqttLink(self, inputs, outputs)
 
 
 @dataclass(frozen=True)

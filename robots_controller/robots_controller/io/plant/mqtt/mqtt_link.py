@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from robots_controller.io.bridge.io_port import Arrival, Number
 from robots_controller.io.bridge.place import Place
-from robots_controller.io.plant.mqtt_map import MqttServer
+from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
 from robots_controller.io.plant.plant_link import LinkError, library
 from robots_core.errors import InvalidInputError
 

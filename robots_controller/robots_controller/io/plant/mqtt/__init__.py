@@ -1,0 +1,1 @@
+"""MQTT: the client of an I/O map, and a scripted PLC that is at a broker."""
