@@ -32,7 +32,7 @@ OWN: Final = ('/clock', '/parameter_events')  # rclpy's
 TICK: Final = 0.05  # s: every timer and loop of the nodes has its turn
 PATIENCE: Final = 240.0  # s
 MOST: Final = 8  # messages in a batch
-# Examples of each topic, and messages mixed from those of an example: by `make fuzz-messages`, 10 000 to each topic.
+# Examples of each topic, and messages mixed from those of one: 10 000 in `make fuzz-messages`.
 EXAMPLES, MIXED = (50, 200) if settings().max_examples > 100 else (3, 36)
 # Depth and durability for all subscriptions; liveliness for those that ask for a lease.
 QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -96,7 +96,7 @@ Colour = tuple[float, float, float, float]
 
 
 def drawable_colour(channels: Sequence[float], otherwise: Colour) -> Colour:
-    """Red, green, blue, opacity of a foreign source: each clipped to 0..1; another colour where one is NaN."""
+    """Red, green, blue, opacity of a foreign source: clipped to 0..1; `otherwise` where one is NaN."""
     if np.isnan(channels).any():
         return otherwise
     red, green, blue, opacity = np.clip(channels, 0.0, 1.0).tolist()
