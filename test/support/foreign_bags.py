@@ -1,25 +1,22 @@
-"""Bags as other programs write them, from the formats' specifications: no library that we read with.
+"""Bags as other programs write them: no library that we read with.
 
-MCAP: https://mcap.dev/spec, with the choices of the Python package `mcap` and of rosbag2_storage_mcap. SQLite
-and metadata.yaml: rosbag2 in Humble, Jazzy and Rolling.
+MCAP: by the package `mcap`, with the choices of rosbag2_storage_mcap. SQLite and metadata.yaml: as rosbag2 in
+Humble, Jazzy and Rolling.
 """
 
 from __future__ import annotations
 
 import sqlite3
 import struct
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
-from zlib import crc32
 
-from lz4.frame import compress as lz4
+from mcap.writer import CompressionType, IndexType, Writer
 from rosbags.rosbag2.storage_mcap import zstd
 
 START: Final = 1_600_000_000_000_000_000  # ns
-MAGIC: Final = b'\x89MCAP0\r\n'
-COMPRESSORS: Final[Mapping[str, Callable[[bytes], bytes]]] = {'': bytes, 'lz4': lz4, 'zstd': zstd.compress}
 HASH: Final = 'RIHS01_' + 64 * '0'
 QOS: Final[Mapping[str, str]] = {
     'humble': """- history: 3
@@ -79,7 +76,7 @@ def write_mcap(
     messages: Sequence[Message],
     *,
     distro: str = '',
-    compression: str | None = 'zstd',
+    compression: CompressionType | None = CompressionType.ZSTD,
     summary: bool = True,
     statistics: bool = True,
     extras: bool = False,
@@ -89,93 +86,44 @@ def write_mcap(
     Args:
         path: The file.
         messages: In the order in which they are written.
-        distro: Whose QoS the channels have; none by default, as those of the package `mcap`.
+        distro: Whose QoS the channels have; none by default.
         compression: Of chunks; None: without chunks.
         summary: The file has one.
         statistics: The summary has them.
         extras: Records of attachments, of metadata and of an unknown kind.
     """
-    topics = list(dict.fromkeys(topic for _, topic, _ in messages))
-    defined = b''.join(_definition(n, topic, distro) for n, topic in enumerate(topics, 1))
-    out = bytearray(MAGIC + _record(1, _string('ros2') + _string('foreign')))
-    if extras:
-        attached = struct.pack('<QQ', START, START) + _string('cell.urdf') + _string('text/xml')
-        attached += struct.pack('<Q', 8) + b'<robot/>'
-        out += _record(9, attached + struct.pack('<I', crc32(attached)))
-        out += _record(12, _string('rosbag2') + _map({'serialized_metadata': 'version: 9\n'}))
-        out += _record(0x80, b'of a later version')
-    chunks = bytearray()
-    size = len(messages) if compression is None else 2
-    for first in range(0, len(messages), size):
-        part = messages[first : first + size]
-        body = bytearray(b'' if first else defined)
-        places: dict[int, list[tuple[int, int]]] = {}
-        for number, (time, topic, data) in enumerate(part, first):
-            channel, stamp = topics.index(topic) + 1, START + time
-            places.setdefault(channel, []).append((stamp, len(body)))
-            body += _record(5, struct.pack('<HIQQ', channel, number, stamp, stamp) + data)
-        if compression is None:
-            out += body
-        else:
-            times = [START + time for time, _, _ in part]
-            span = struct.pack('<QQ', min(times), max(times))
-            chunks += _chunk(out, bytes(body), places, span, compression)
-    out += _record(15, struct.pack('<I', 0))
-    start = len(out) if summary else 0
-    if summary:
-        out += defined
-        if statistics:
-            counts = [sum(topic == one for _, topic, _ in messages) for one in topics]
-            times = [START + time for time, _, _ in messages]
-            numbers = len(messages), len(topics), len(topics), 0, 0, 0, min(times), max(times)
-            counted = b''.join(struct.pack('<HQ', n, count) for n, count in enumerate(counts, 1))
-            out += _record(11, struct.pack('<QHIIIIQQ', *numbers) + _sized(counted))
-        out += chunks
-    out += _record(2, struct.pack('<QQI', start, 0, 0)) + MAGIC
-    path.write_bytes(out)
+    with path.open('wb') as file:
+        writer = Writer(
+            file,
+            chunk_size=100,
+            compression=compression or CompressionType.NONE,
+            use_chunking=compression is not None,
+            index_types=IndexType.ALL if summary else IndexType.NONE,
+            repeat_channels=summary,
+            repeat_schemas=summary,
+            use_statistics=summary and statistics,
+            use_summary_offsets=summary,
+        )
+        writer.start('ros2', 'foreign')
+        if extras:
+            writer.add_attachment(START, START, 'cell.urdf', 'text/xml', b'<robot/>')
+            writer.add_metadata('rosbag2', {'serialized_metadata': 'version: 9\n'})
+            file.write(b'\x80' + struct.pack('<Q', 18) + b'of a later version')
+        channels = {
+            topic: _channel(writer, topic, distro) for topic in dict.fromkeys(one for _, one, _ in messages)
+        }
+        for number, (time, topic, data) in enumerate(messages):
+            writer.add_message(channels[topic], START + time, data, START + time, number)
+        writer.finish()
 
 
-def _chunk(
-    out: bytearray, body: bytes, places: Mapping[int, list[tuple[int, int]]], span: bytes, compression: str
-) -> bytes:
-    """Append a chunk with its message index; returns the record of the chunk index."""
-    begin, packed = len(out), COMPRESSORS[compression](body)
-    head = span + struct.pack('<QI', len(body), crc32(body)) + _string(compression)
-    out += _record(6, head + struct.pack('<Q', len(packed)) + packed)
-    end, offsets = len(out), b''
-    for channel, found in places.items():
-        offsets += struct.pack('<HQ', channel, len(out))
-        entries = b''.join(struct.pack('<QQ', *one) for one in found)
-        out += _record(7, struct.pack('<H', channel) + _sized(entries))
-    index = span + struct.pack('<QQ', begin, end - begin) + _sized(offsets)
-    index += struct.pack('<Q', len(out) - end) + _string(compression)
-    return _record(8, index + struct.pack('<QQ', len(packed), len(body)))
-
-
-def _definition(number: int, topic: Topic, distro: str) -> bytes:
+def _channel(writer: Writer, topic: Topic, distro: str) -> int:
     encoding = topic.encoding if topic.definition else ''
-    schema = struct.pack('<H', number) + _string(topic.type) + _string(encoding)
+    schema = writer.register_schema(topic.type, encoding, topic.definition.encode())
     metadata = {'offered_qos_profiles': topic.qos(distro)} if distro else {}
     if distro == 'jazzy':
         metadata['topic_type_hash'] = HASH
-    channel = struct.pack('<HH', number, number) + _string(topic.name) + _string('cdr') + _map(metadata)
-    return _record(3, schema + _string(topic.definition)) + _record(4, channel)
-
-
-def _record(kind: int, content: bytes) -> bytes:
-    return struct.pack('<BQ', kind, len(content)) + content
-
-
-def _sized(data: bytes) -> bytes:
-    return struct.pack('<I', len(data)) + data
-
-
-def _string(value: str) -> bytes:
-    return _sized(value.encode())
-
-
-def _map(values: Mapping[str, str]) -> bytes:
-    return _sized(b''.join(_string(key) + _string(value) for key, value in values.items()))
+    return writer.register_channel(topic.name, 'cdr', schema, metadata)
 
 
 def write_database(path: Path, messages: Sequence[Message], *, distro: str) -> None:
@@ -231,7 +179,7 @@ def write_foreign_bag(
         if compression == 'MESSAGE':
             part = [(time, topic, zstd.compress(data)) for time, topic, data in part]  # noqa: PLW2901
         if storage == 'mcap':
-            write_mcap(file, part, distro=distro, compression=None if compression else 'zstd')
+            write_mcap(file, part, distro=distro, compression=None if compression else CompressionType.ZSTD)
         else:
             write_database(file, part, distro=distro)
         if compression == 'FILE':
