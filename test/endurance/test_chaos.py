@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from chaos.judgement import OBSERVED, OUTPUTS_SAFE, REACTION, FaultFigures, judge
+from chaos.kept_faults import KeptFaults
 from chaos.recording import JointSamples, Recording
 from chaos.summary import Fault, closing_line, missed_goals, summary
 from chaos.surroundings import PROGRAMS, Launched
@@ -217,3 +219,16 @@ def test_the_programs_are_valid_and_their_cells_have_all_nodes(name: str, tmp_pa
 
 def test_what_is_observed_is_longer_than_any_goal() -> None:
     assert OBSERVED > WATCHDOG + REACTION + 1.0
+
+
+def test_faults_are_kept_with_all_figures(tmp_path: Path) -> None:
+    figures = judge(recording(node='visualizer_node'), ROBOT)  # some are NaN
+    lost = replace(figures, stands=np.inf, problems=('A1 moved', 'A2 moved'))
+    keys = [(1, 'cell', 'seam', number, 'visualizer_node') for number in range(2)]
+    kept = KeptFaults(tmp_path / 'faults')
+    for key, each in zip(keys, (figures, lost), strict=True):
+        kept.add(key, Fault('cell', 'visualizer_node', killed=True, figures=each))
+    again = KeptFaults(tmp_path / 'faults')
+    assert all(key in again for key in keys)
+    assert (1, 'launch', 'seam', 0, 'visualizer_node') not in again
+    assert repr(again.faults) == repr(kept.faults)

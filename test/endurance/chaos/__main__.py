@@ -6,7 +6,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from robots_core.robot_choice import load_robot_model
 from ros_domains import reserved_domain
 
 from .judgement import judge
+from .kept_faults import KeptFaults, Key
 from .observer import Observer
 from .summary import Fault, closing_line, missed_goals, summary
 from .surroundings import PROGRAMS, SURROUNDINGS, Surroundings
@@ -34,21 +35,25 @@ def main() -> int:
     )
     parser.add_argument('--node', action='append', help='these nodes alone')
     parser.add_argument('--program', action='append', help='these programs alone: seam, handling, curves')
+    parser.add_argument(
+        '--keep', type=Path, help='file of the faults that were tried: a run that was interrupted continues'
+    )
     parser.add_argument('--markdown', action='store_true', help='the table as Markdown')
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the cell ends with this process
     began = time.monotonic()
     before = machine()
-    faults: list[Fault] = []
+    kept = KeptFaults(options.keep)
     try:
         for kind in SURROUNDINGS:
             if options.where is None or kind.name in options.where:
                 programs = options.program or ['seam', 'handling', 'curves']
                 for number, program in enumerate(programs):
                     rounds = range(number, options.count, len(programs))
-                    faults += _in_one_cell(kind, PROGRAMS / f'{program}.lua', rounds, options)
+                    _in_one_cell(kind, PROGRAMS / f'{program}.lua', rounds, options, kept)
     except KeyboardInterrupt:
         print('interrupted: what there is so far')
+    faults = kept.faults
     if not faults:
         print('no fault was tried')
         return 1
@@ -59,9 +64,13 @@ def main() -> int:
 
 
 def _in_one_cell(
-    kind: type[Surroundings], program: Path, rounds: range, options: argparse.Namespace
-) -> Iterator[Fault]:
+    kind: type[Surroundings], program: Path, rounds: range, options: argparse.Namespace, kept: KeptFaults
+) -> None:
     """Faults of all nodes in a cell, each once in a round; a cell of no use any more is restarted."""
+
+    def key(trial: Trial) -> Key:
+        return options.seed, kind.name, program.stem, trial.number, trial.node
+
     with tempfile.TemporaryDirectory(prefix='chaos_') as folder, reserved_domain() as environment:
         cell = kind(program, environment, Path(folder))
         nodes = [node for node in cell.nodes if options.node is None or node in options.node]
@@ -71,20 +80,21 @@ def _in_one_cell(
             for number in rounds
             for node in rng.sample(nodes, len(nodes))
         ]
+        trials = [trial for trial in trials if key(trial) not in kept]
         starts = 0
         while trials and starts < MOST_STARTS:
             starts += 1
-            done = 0
-            for fault in _while_usable(cell, trials, environment):
-                done += 1
+            for trial, fault in _while_usable(cell, tuple(trials), environment):
+                kept.add(key(trial), fault)
+                trials.remove(trial)
                 starts = 0
-                yield fault
-            del trials[:done]
         if trials:
             print(f'{kind.name}, {program.name}: given up after {starts} starts', flush=True)
 
 
-def _while_usable(cell: Surroundings, trials: list[Trial], environment: Mapping[str, str]) -> Iterator[Fault]:
+def _while_usable(
+    cell: Surroundings, trials: Sequence[Trial], environment: Mapping[str, str]
+) -> Iterator[tuple[Trial, Fault]]:
     robot = load_robot_model(cell.robot)
     with Observer(robot, int(environment['ROS_DOMAIN_ID'])) as observer, cell:
         for trial in trials:
@@ -96,7 +106,7 @@ def _while_usable(cell: Surroundings, trials: list[Trial], environment: Mapping[
             figures = judge(recording, robot)
             fault = Fault(cell.name, trial.node, trial.killed, figures)
             _tell(trial, fault, recording.reason)
-            yield fault
+            yield trial, fault
             if not figures.usable:
                 return
 
