@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import pytest
 from hypothesis import HealthCheck, settings
 
+import blas_threads  # noqa: F401  # before NumPy is loaded
 from package_of_test import PACKAGES, package_of_test
 from robots_core.ros.running.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
 from ros_domains import reserved_domain

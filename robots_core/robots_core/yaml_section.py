@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
@@ -307,17 +308,26 @@ def compose_yaml(text: str, file: str) -> yaml.Node | None:
     return (_kept_composed if len(text) <= MAX_KEPT else _composed)(text, file)
 
 
+@lru_cache(maxsize=32)
+def _kept_composed(text: str, file: str) -> yaml.Node | None:
+    # LibYAML takes a tenth of the time. It nests without end, which texts of this length cannot; what is
+    # wrong with a text, the parser in Python says.
+    with suppress(yaml.YAMLError, RecursionError):
+        return _checked(yaml.compose(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader)), file)
+    return _composed(text, file)
+
+
 def _composed(text: str, file: str) -> yaml.Node | None:
     try:
-        node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
-        if node is not None and _expanded_size(node, {}) > MAX_NODES:
-            raise located(file, 1, f'not YAML of this suite: its aliases stand for over {MAX_NODES} values')
+        return _checked(yaml.compose(text, Loader=yaml.SafeLoader), file)
     except (yaml.YAMLError, RecursionError) as error:
         raise _not_yaml(file, error) from None
+
+
+def _checked(node: yaml.Node | None, file: str) -> yaml.Node | None:
+    if node is not None and _expanded_size(node, {}) > MAX_NODES:
+        raise located(file, 1, f'not YAML of this suite: its aliases stand for over {MAX_NODES} values')
     return node
-
-
-_kept_composed = lru_cache(maxsize=32)(_composed)
 
 
 def _expanded_size(node: yaml.Node, known: dict[int, float]) -> float:

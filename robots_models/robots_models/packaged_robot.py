@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from importlib.resources import as_file, files
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from numpy.typing import ArrayLike
 
@@ -10,9 +10,11 @@ from robots_core import StructuralData, UrdfRobotModel
 from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.urdf_robot_model import EARTH_GRAVITY
+from robots_core.validation import finite_vector
 
 _Key = tuple[type, str]  # and URDF
-# Neither changes, and programs that load a robot several times need its meshes once.
+# Nothing of it changes, and programs that load a robot several times need its files and meshes once.
+_READ: Final[dict[tuple[type, str, tuple[float, ...]], dict[str, Any]]] = {}  # and limits file, and gravity
 _VISUALIZATIONS: Final[dict[_Key, RobotVisualization]] = {}
 _COLLISION_MODELS: Final[dict[_Key, CollisionModel]] = {}
 
@@ -39,6 +41,11 @@ class PackagedRobot(UrdfRobotModel):
     def __init__(
         self, *, gravity: ArrayLike = EARTH_GRAVITY, joint_limits: str = 'joint_limits.yaml'
     ) -> None:
+        key = type(self), joint_limits, tuple(finite_vector(gravity, 3, 'gravity').tolist())
+        if key in _READ:
+            self.__dict__ |= _READ[key]
+            self._take_memory()
+            return
         package = type(self).__module__.rpartition('.')[0]
         with as_file(files(package)) as folder:
             super().__init__(
@@ -53,6 +60,7 @@ class PackagedRobot(UrdfRobotModel):
                 strict=True,
                 shapes_on_demand=True,
             )
+        _READ[key] = dict(self.__dict__)
 
     @cached_property
     def visualization(self) -> RobotVisualization:

@@ -21,6 +21,7 @@ from robots_planning.free_paths.free_path_search import FreePathSearch
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.timing.tool_limits import tool_derivatives, travel
 from robots_planning.trajectory_generators.collision_free_joint import CollisionFreeJoint
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
@@ -63,9 +64,12 @@ def joint_motions_around_obstacles() -> None:
 
 
 def lines_at_limited_speed() -> None:
-    """Without and with limits of the jerk."""
+    """Without and with limits of the jerk, and the tool's speeds along chains of motions."""
+    robot, start = robot_in_use(), _start()
     for jerk_limited in (False, True):
-        LinearCartesianLimited(robot_in_use(), jerk_limited=jerk_limited).generate(_start(), _poses()[1])
+        LinearCartesianLimited(robot, jerk_limited=jerk_limited).generate(start, _poses()[1])
+    rows = start[None]
+    travel(*tool_derivatives(SerialChain.of(robot).arrays, np.zeros((1, 3)), rows, rows, rows))
 
 
 def paths_at_the_limits_of_the_axes() -> None:

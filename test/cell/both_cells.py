@@ -69,7 +69,7 @@ def check_results_states_and_lines(runs: Runs) -> None:
     for topic, read in (
         ('/motion_result', lambda m: (m.message, _value(m, 'id'), _value(m, 'duration'))),
         ('/command_state', lambda m: m.data),
-        ('/joint_trajectory', lambda m: (_stamp(m), [list(_rows(point).ravel()) for point in m.points])),
+        ('/joint_trajectory', lambda m: (_stamp(m), [_rows(point).ravel().tolist() for point in m.points])),
     ):
         there, here = (_timed(bag, topic, read, end) for bag in (runs.recorded, runs.simulated))
         assert there == here, f'{topic}: {_difference(there, here)}'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Final
@@ -24,6 +24,7 @@ OPTIONS: Final[dict[str, dict[str, Any]]] = {
 PACKAGES: Final = ('robots_core', 'robots_planning', 'robots_controller')
 
 
+@cache
 def suite_nodes() -> dict[str, Any]:
     """All nodes of the suite that take messages, by executable, and what listens in `cell`."""
     found = {}

@@ -49,13 +49,15 @@ def server(folder: Path) -> Iterator[Served]:
         ServerUser('press', operate=True, password_file=password),
         ServerUser('scada', operate=False, password_file=password),
     )
-    served = Served(ServerSettings(users=users, anonymous=True), folder / 'programs')
-    end = time.monotonic() + DEADLINE
-    while not served.server._nodes._programs._sizes:
-        assert time.monotonic() < end
-        served.show()
-    yield served
-    served.server.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr('robots_controller.opcua.program_nodes.REFRESH', 0.02)
+        served = Served(ServerSettings(users=users, anonymous=True), folder / 'programs')
+        end = time.monotonic() + DEADLINE
+        while not served.server._nodes._programs._sizes:
+            assert time.monotonic() < end
+            served.show()
+        yield served
+        served.server.close()
 
 
 @pytest.fixture

@@ -24,6 +24,7 @@ import struct
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
+from functools import cache
 from typing import Any, Final, NoReturn, Protocol
 
 from lupa import lua54
@@ -202,7 +203,7 @@ class LuaSandbox:
             self._answered(host.handled),
         )
         run = runtime.execute(
-            PRELUDE,
+            _compiled(PRELUDE),
             self._source.text.encode(),
             self._source.chunk_name.encode(),
             lambda: callbacks,
@@ -212,9 +213,8 @@ class LuaSandbox:
             MAX_PATTERN_STEPS,
             MAX_TABLE_STEPS,
             MAX_ARGUMENTS,
-            PATTERNS,
+            _compiled(PATTERNS),
             *(name.encode() for name in self._functions),
-            name=b'=robots',
         )
         try:
             outcome = run()
@@ -347,6 +347,13 @@ def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
         b'=' + source.chunk_name.encode(),
     )
     return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
+
+
+@cache
+def _compiled(chunk: bytes) -> bytes:
+    """A chunk of the sandbox as code of Lua, which loads in a seventh of the time of its text."""
+    code: bytes = _runtime().execute(b'return string.dump(load(..., "=robots", "t"))', chunk)
+    return code
 
 
 def _runtime() -> Any:

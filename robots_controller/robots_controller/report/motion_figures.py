@@ -202,8 +202,8 @@ def _planned_path(run: RecordedRun, motion: MotionRecord) -> Array:
     if before is not None and before.plan is not plan and before.plan is not None:
         early = AROUND - (motion.path_start - start)
         q = np.concatenate([_positions(before.plan, before.path_end - early, before.path_end), q])
-    tool = motion.settings.tool_pose.r
-    return np.array([r + T @ tool for r, T in map(run.robot.direct_kinematics, q)])
+    r, T = (np.array(parts) for parts in zip(*map(run.robot.direct_kinematics, q), strict=True))
+    return np.asarray(r + T @ motion.settings.tool_pose.r)
 
 
 def _positions(plan: Trajectory, start: float, end: float) -> Array:

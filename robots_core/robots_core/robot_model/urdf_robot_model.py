@@ -121,12 +121,9 @@ class UrdfRobotModel(BaseRobotModel):
         note_other_base(model, chain.base, substitutions)
         self._substitutions = substitutions
         self._model = model
-        self._data = model.createData()
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
-        self._links = empty((self._n + 1, 13))
-        self._tool_pose: Callable[..., bool] = self._load_tool_pose
-        self._torque_sum: Callable[..., bool] = self._load_torque_sum
+        self._take_memory()
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._hulls = hulls
         self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
@@ -140,6 +137,13 @@ class UrdfRobotModel(BaseRobotModel):
                 self._description = with_absolute_meshes(
                     self._description, path.parent, substitutions, unreadable=error
                 )
+
+    def _take_memory(self) -> None:
+        """Scratch memory of this robot's own, and what fills it at the first call."""
+        self._data = self._model.createData()
+        self._links = empty((self._n + 1, 13))
+        self._tool_pose: Callable[..., bool] = self._load_tool_pose
+        self._torque_sum: Callable[..., bool] = self._load_torque_sum
 
     @property
     def name(self) -> str:

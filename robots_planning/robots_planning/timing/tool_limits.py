@@ -9,7 +9,8 @@ from math import sqrt
 import numpy as np
 
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import dot, row_of, scale, subtract
+from robots_core.kernels.serial_chain import ChainArrays, SerialChain, next_frame
+from robots_core.kernels.vectors import add, cross, dot, row_of, scale, subtract, times
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
@@ -92,6 +93,7 @@ def path_limits(
     """
     if np.isinf(tool).all():
         return None
+    chain = SerialChain.of(robot).arrays
 
     def limits(s: Array) -> LimitedRates:
         if turning_tool is None:
@@ -99,7 +101,7 @@ def path_limits(
             x_s, x_ss = samples.x_s, samples.x_ss
         else:
             tools = np.tile(turning_tool, (len(s), 1))
-            x_s, x_ss = _tool_derivatives(robot, tools, *joint_path.evaluate(s))
+            x_s, x_ss = tool_derivatives(chain, tools, *joint_path.evaluate(s))
         return LimitedRates(*travel(x_s, x_ss), tool[::2], tool[1::2])
 
     return limits
@@ -128,11 +130,12 @@ def chain_limits(
             bound[0, n:] = setting.cartesian_speed, setting.rotation_speed
             bound[1, n:] = setting.cartesian_acceleration, setting.rotation_acceleration
     tools = np.array([setting.tool_pose.r for setting, _ in sections])
+    chain = SerialChain.of(robot).arrays
 
     def limits(s: Array) -> LimitedRates:
         section = np.searchsorted(corners, s, side='right')
         q, q_s, q_ss = path.evaluate(s)
-        of_tool = travel(*_tool_derivatives(robot, tools[section], q, q_s, q_ss))
+        of_tool = travel(*tool_derivatives(chain, tools[section], q, q_s, q_ss))
         rate, along, across = map(np.hstack, zip((q_s, q_ss, np.zeros_like(q)), of_tool, strict=True))
         velocity, acceleration = bounds[section].swapaxes(0, 1)
         return LimitedRates(rate, along, across, velocity, acceleration, combined=False)
@@ -140,25 +143,45 @@ def chain_limits(
     return limits
 
 
-def _tool_derivatives(
-    robot: BaseRobotModel, tools: Array, q: Array, q_s: Array, q_ss: Array
+@compiled()
+def tool_derivatives(
+    chain: ChainArrays, tools: Array, q: Array, q_s: Array, q_ss: Array
 ) -> tuple[Array, Array]:
     """First and second derivative of the tool's pose over s, (m, 6) each: linear, angular; base frame.
 
-    The tool centre point has a position in tool0 of its own at each s, `tools` (m, 3).
+    They are velocity and acceleration of the tool for the joint velocities q_s and accelerations q_ss.
+
+    Args:
+        chain: The axes, and tool0.
+        tools: The tool centre point in tool0 at each s, (m, 3).
+        q: Joint positions, (m, n).
+        q_s: First derivative, (m, n).
+        q_ss: Second derivative, (m, n).
     """
-    first, second = np.empty((len(q), 6)), np.empty((len(q), 6))
-    for row, (position, rate, change) in enumerate(zip(q, q_s, q_ss, strict=True)):
-        J = robot.jacobian(position)
-        first[row] = J @ rate
-        second[row] = J @ change + robot.jacobian_der(position, rate) @ rate
-    if tools.any():
-        frames = (robot.direct_kinematics(position)[1] for position in q)
-        arm = np.array([T @ tool for T, tool in zip(frames, tools, strict=True)])
-        turning, rising = first[:, 3:], second[:, 3:]
-        swing = np.cross(turning, arm)
-        first[:, :3] += swing
-        second[:, :3] += np.cross(rising, arm) + np.cross(turning, swing)
+    m, n = q.shape
+    first, second = np.empty((m, 6)), np.empty((m, 6))
+    for row in range(m):
+        R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
+        # Of the point `last` of the link before: velocity and acceleration.
+        last = v = a = omega = alpha = (0.0, 0.0, 0.0)
+        for i in range(n):
+            place, R, t = next_frame(chain, i, q[row, i], R, t)
+            arm = subtract(place, last)
+            swing = cross(omega, arm)
+            v, a, last = add(v, swing), add(a, add(cross(alpha, arm), cross(omega, swing))), place
+            axis = (R[0][2], R[1][2], R[2][2])
+            rate, change = scale(q_s[row, i], axis), scale(q_ss[row, i], axis)
+            if chain[i, 12] != 0.0:
+                v, a = add(v, rate), add(a, add(change, scale(2.0, cross(omega, rate))))
+            else:
+                omega, alpha = add(omega, rate), add(alpha, add(change, cross(omega, rate)))
+        tip, T, _ = next_frame(chain, n, 0.0, R, t)
+        arm = subtract(add(tip, times(T, row_of(tools, row))), last)
+        swing = cross(omega, arm)
+        v, a = add(v, swing), add(a, add(cross(alpha, arm), cross(omega, swing)))
+        for k in range(3):
+            first[row, k], first[row, 3 + k] = v[k], omega[k]
+            second[row, k], second[row, 3 + k] = a[k], alpha[k]
     return first, second
 
 

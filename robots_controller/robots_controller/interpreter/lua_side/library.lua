@@ -35,7 +35,7 @@ local function is_quick(s, p, plain, always_search)
 end
 
 local lib = string
-local patterns = load(patterns_text, '=robots', 't')(lib)
+local patterns = load(patterns_code, '=robots', 'b')(lib)
 local string = {}
 for _, key in ipairs {'byte', 'char', 'len', 'lower', 'pack', 'packsize', 'reverse', 'sub', 'unpack',
                       'upper'} do

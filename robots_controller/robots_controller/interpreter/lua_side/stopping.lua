@@ -1,6 +1,6 @@
 -- The sandbox, first part: what stops and holds the program, and where the program is.
 
-local text, name, host, count, period, spell, pattern_steps, table_steps, max_arguments, patterns_text = ...
+local text, name, host, count, period, spell, pattern_steps, table_steps, max_arguments, patterns_code = ...
 local robot_functions = {select(11, ...)}
 local serve, again, abandon, next_values, ask, computed, at_line, attention, held, handled = host()
 

@@ -1,5 +1,8 @@
 """ConstrainedInverseKinematics: follow a reference pose inside all limits (the paper's block)."""
 
+from collections.abc import Callable
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,12 +15,13 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     Redundancy,
     redundancy_arrays,
 )
+from robots_core.content_cache import content_of
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.chain_dynamics import ChainDynamics
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, finite_vector, positive
+from robots_core.validation import Array, finite_vector, positive, read_only
 
 DEFAULT_GAIN = 0.5  # of the pose error per period
 TORQUE_SAMPLES = 1500
@@ -26,6 +30,8 @@ TORQUE_RESERVE = 0.05
 # Smallest fraction of the acceleration limits for braking. An arm whose motors hardly hold it at full speed
 # could not move near its limits with less; the missing torque shows as torque slack.
 SMALLEST_BRAKING = 0.3
+MAX_KEPT = 32
+_KEPT_BRAKING: Final[dict[str, Array]] = {}  # by the content that they follow from
 NO_TWIST = np.zeros(6)
 
 
@@ -175,23 +181,38 @@ def braking_deceleration(robot: BaseRobotModel) -> Array:
     """Decelerations that all axes can have at once inside their torque limits, (n,), rad/s^2.
 
     The acceleration limits, all scaled by the fraction that the torques allow in the worst of many random
-    states at up to full speed; each axis may brake or have stopped already.
+    states at up to full speed; each axis may brake or have stopped already. Those of the last robots are
+    kept: blocks that share a process brake the same robot.
     """
+    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    if dynamics is None:
+        return _sampled_braking(robot, lambda q, q_dot: robot.rigid_dynamics(q, q_dot, np.zeros_like(q))[1:])
+    axes = robot.axes_data
+    limits = (*axes.one_turn, axes.velocity, axes.acceleration, axes.effort)
+    content = content_of((*dynamics.arrays, *limits))
+    if content not in _KEPT_BRAKING:
+        if len(_KEPT_BRAKING) == MAX_KEPT:
+            _KEPT_BRAKING.clear()
+        _KEPT_BRAKING[content] = read_only(_sampled_braking(robot, dynamics.mass_matrix_and_bias))
+    return _KEPT_BRAKING[content]
+
+
+def _sampled_braking(
+    robot: BaseRobotModel, mass_matrix_and_bias: Callable[[Array, Array], tuple[Array, Array]]
+) -> Array:
     axes = robot.axes_data
     low, high = axes.one_turn
     rng = np.random.default_rng(0)
-    n, still = axes.num_axes, np.zeros(axes.num_axes)
-    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    n = axes.num_axes
     M, tau_aux = np.empty((TORQUE_SAMPLES, n, n)), np.empty((TORQUE_SAMPLES, n))
     turning = np.empty((TORQUE_SAMPLES, 1, n))
     for sample in range(TORQUE_SAMPLES):
         q = rng.uniform(low, high)
-        q_dot = axes.velocity * (rng.choice([-1.0, 1.0], n) if sample % 2 else rng.uniform(-1.0, 1.0, n))
+        q_dot = axes.velocity * (
+            2.0 * rng.integers(0, 2, n) - 1.0 if sample % 2 else rng.uniform(-1.0, 1.0, n)
+        )
         turning[sample, 0] = np.sign(q_dot)
-        if dynamics is None:
-            _, M[sample], tau_aux[sample] = robot.rigid_dynamics(q, q_dot, still)
-        else:  # the same, compiled
-            M[sample], tau_aux[sample] = dynamics.mass_matrix_and_bias(q, q_dot)
+        M[sample], tau_aux[sample] = mass_matrix_and_bias(q, q_dot)
     torques = -M * (turning * axes.acceleration)
     up, down = np.maximum(torques, 0.0).sum(axis=2), np.maximum(-torques, 0.0).sum(axis=2)
     room = (1.0 - TORQUE_RESERVE) * axes.effort
