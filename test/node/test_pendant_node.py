@@ -21,6 +21,7 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
+from robots_controller.report.recorded_run import read_run
 from robots_core.errors import BagError, InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
@@ -313,9 +314,15 @@ def test_what_happens_is_recorded_and_reported_on(cell: OperatedCell) -> None:
     cell.hold('axes 1 -', lambda: any(cell.references[-1].velocities), 'it moves')
     cell.until_standing()
     cell.wait(lambda: 'joint_reference' in (bag / 'metadata.yaml').read_text(), 'references in the bag')
+    cell.wait(lambda: 'motion_result' in (bag / 'metadata.yaml').read_text(), 'results in the bag')
+    cell.step('axes 1 -', 0.01)
+    cell.until_standing()
     recording.end()
     assert recording.bag == ''
     assert '<html' in recording.report()
+    motion = read_run(bag, robot=ROBOT).motions[-1]
+    assert motion.settings.speed_fraction == pytest.approx(cell.state.jog_speeds.fraction)
+    assert settings(cell)['speed_fraction'] != pytest.approx(cell.state.jog_speeds.fraction)
 
 
 def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:

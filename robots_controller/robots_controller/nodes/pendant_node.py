@@ -53,6 +53,12 @@ class PendantNode(RobotNode):
             'password_file', '', 'its first line is what a viewer must give; empty: nothing'
         )
         access = read_access(host, password_file)
+        connection_timeout = self.parameter(
+            'connection_timeout',
+            4.0,
+            'silence of a browser after which it has no control any more, s; longer for networks that pause',
+            bounds=(2.0, 60.0),
+        )
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
         recordings = self.parameter(
             'recordings', 'out', 'folder of the bags that are recorded and reported on'
@@ -73,11 +79,11 @@ class PendantNode(RobotNode):
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
         subscribe(self, Log, '/rosout', self._on_log)
-        self._server = self._serve(port, Path(folder).resolve(), access)
+        self._server = self._serve(port, Path(folder).resolve(), access, connection_timeout)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
 
-    def _serve(self, port: int, folder: Path, access: PageAccess) -> Any:
+    def _serve(self, port: int, folder: Path, access: PageAccess, connection_timeout: float) -> Any:
         try:
             from robots_controller.pendant.page.access.page_server import PageServer  # noqa: PLC0415
             from robots_controller.pendant.page.pendant_page import PendantPage  # noqa: PLC0415
@@ -94,6 +100,7 @@ class PendantNode(RobotNode):
             told=self.journal.warning,
             report=self.operator.recording.report,
             scene=lambda: self.operator.state.scene_url,
+            connection_timeout=connection_timeout,
         )
 
     @property
