@@ -155,6 +155,20 @@ def test_what_will_stop_a_jog_is_announced(
     page.mouse.up()
 
 
+def test_what_stops_robot_and_jog_is_said_in_the_language_of_the_page(
+    running: Browser, operator: PendantOperator, url: str
+) -> None:
+    other = open_page(running, url, locale='de-DE')
+    operator.desk.holder = ''
+    other.get_by_role('button', name='Bedienung übernehmen').click()
+    operator.state = replace(operator.state, hindrance='jogging is limited', limits=('A2 position upper',))
+    other.get_by_text('Das Handfahren ist begrenzt: obere Grenze von A2').wait_for()
+    operator.state = replace(operator.state, fault='pressed', fault_kind='emergency stop')
+    other.locator('.strip').get_by_text('angehalten: Not-Halt (pressed)').wait_for()
+    other.context.close()
+    operator.desk.holder = ''
+
+
 def test_a_browser_that_goes_away_lets_go(
     running: Browser, operator: PendantOperator, cell: MadeUpCell, url: str, shared_page: Page
 ) -> None:
@@ -361,6 +375,7 @@ def test_a_second_page_looks_on_until_it_takes_control(
     running: Browser, page: Page, cell: MadeUpCell, url: str
 ) -> None:
     other = open_page(running, url, locale='de-DE', color_scheme='dark')
+    assert other.locator('html').get_attribute('lang') == 'de'
     other.get_by_text('Eine andere Seite bedient').first.wait_for()
     press(other, FORWARDS)
     other.get_by_role('alert').get_by_text('Eine andere Seite bedient den Roboter.').wait_for()

@@ -7,21 +7,45 @@ from pathlib import Path
 
 import pytest
 
+from robots_controller.control.stops.faults import Fault
 from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
-from robots_controller.pendant.pendant_state import ShownIo
+from robots_controller.pendant.pendant_state import PendantState, ShownIo
+from robots_controller.pendant.permissions import Reason
 from robots_controller.pendant.programs import program_files, read_program
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_core.errors import InvalidInputError
+from robots_core.operating_modes import Commander
+
+OF_NODES = ('errors.', 'faults.')  # who say them in English
 
 
 def test_the_languages_say_the_same() -> None:
     english = read_texts('en').texts
     for code in LANGUAGES:
-        texts = {key: text for key, text in read_texts(code).texts.items() if not key.startswith('errors.')}
+        texts = {key: text for key, text in read_texts(code).texts.items() if not key.startswith(OF_NODES)}
         assert texts.keys() == english.keys()
         for key, text in texts.items():
             assert re.findall(r'{\w+}', text) == re.findall(r'{\w+}', english[key]), key
+
+
+def test_every_fault_has_its_german_name() -> None:
+    german = read_texts('de')
+    known = {key.removeprefix('faults.') for key in german.texts if key.startswith('faults.')}
+    assert known == {fault.label for fault in Fault}
+    assert german.fault(Fault.FEEDBACK_LOST.label, 'no joint_states for 0.1 s') == (
+        'Keine gemessenen Stellungen (no joint_states for 0.1 s)'
+    )
+    assert read_texts('en').fault(Fault.FEEDBACK_LOST.label, 'no joint_states') == 'no joint_states'
+
+
+@pytest.mark.parametrize('code', ['en', 'de'])
+def test_reasons_name_states_in_the_language_of_the_page(code: str) -> None:
+    text = read_texts(code)
+    said = text.reason(Reason('commanded', PendantState(commander=Commander.SENSOR).values))
+    assert text('commanders.SENSOR') in said
+    said = text.reason(Reason('fault', PendantState(fault='pressed', fault_kind='emergency stop').values))
+    assert ('Not-Halt (pressed)' if code == 'de' else 'stopped: pressed') in said
 
 
 @pytest.mark.parametrize(

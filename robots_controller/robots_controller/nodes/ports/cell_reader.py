@@ -17,7 +17,6 @@ from rclpy.parameter import parameter_value_to_python
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
-from robots_controller.control.stops.faults import Fault
 from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import OUTPUTS
@@ -49,7 +48,6 @@ ANSWER_TIME: Final = 5.0  # s
 LOST_AFTER: Final = 1.0  # s
 PLANNER, PROGRAM, VIEW = 'planning_node', 'lua_program_node', 'visualizer_node'
 LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
-EMERGENCY_STOPS: Final = (Fault.EMERGENCY_STOP.label, Fault.EMERGENCY_STOP_INPUT.label)
 
 
 class StateHolder(Protocol):
@@ -124,7 +122,7 @@ class CellReader:
 
     def _on_stop(self, message: DiagnosticStatus) -> None:
         fault = '' if message.level == DiagnosticStatus.OK else message.message
-        self.show(fault=fault, emergency_stop=diagnostic_values(message).get('fault') in EMERGENCY_STOPS)
+        self.show(fault=fault, fault_kind=diagnostic_values(message).get('fault', '') if fault else '')
 
     def _on_program(self, message: DiagnosticStatus) -> None:
         values = diagnostic_values(message)
@@ -189,7 +187,9 @@ class CellReader:
         for status in message.status:
             name = status.name.removeprefix(prefix)
             if name == PLANNER:
-                self.show(hindrance='' if status.level == DiagnosticStatus.OK else status.message)
+                good = status.level == DiagnosticStatus.OK
+                limits = tuple(filter(None, diagnostic_values(status).get('limits', '').split(', ')))
+                self.show(hindrance='' if good else status.message, limits=limits)
             elif name == VIEW:
                 self.show(scene_url=diagnostic_values(status).get('url', ''))
             if name in WATCHED and name not in self._seen:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, Final
 from fastapi import Request
 from nicegui import ui
 from nicegui.events import GenericEventArguments
+from nicegui.language import Language
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.access.origin_guard import SCENE
@@ -30,6 +31,8 @@ from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_
 from robots_core.errors import RobotsError
 
 PERIOD: Final = 0.1  # s between two refreshes
+PAGE_LANGUAGES: Final[Mapping[str, Language]] = {'en': 'en-US', 'de': 'de'}
+"""Of what the browser and NiceGUI themselves say."""
 GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
@@ -58,6 +61,7 @@ class PendantPage:
         language = (
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
         )
+        client.page.language = PAGE_LANGUAGES[language]
         self._operator = operator
         self._number = 0  # of the newest press
         self._viewer = viewer = Viewer(client.id, operator, read_texts(language))

@@ -179,7 +179,7 @@ class TopBar:
         self._show_control()
         self._strip.set_visibility(bool(state.fault))
         if state.fault:
-            self._fault.set_text(text('bar.fault', fault=state.fault))
+            self._fault.set_text(text('bar.fault', fault=text.fault(state.fault_kind, state.fault)))
             self._reset.refresh()
 
     def _show_mode(self, state: PendantState) -> None:

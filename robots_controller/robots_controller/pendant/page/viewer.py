@@ -66,7 +66,7 @@ class Viewer:
             self.operator.desk.check(self.id)
         except NotPermittedError as error:
             return self.texts.error(error)
-        return '' if found is None else self.texts(f'reasons.{found.key}', **found.values)
+        return '' if found is None else self.texts.reason(found)
 
 
 class ActionButton:
