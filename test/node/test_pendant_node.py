@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64
 
@@ -295,6 +296,14 @@ def test_what_the_cell_reports_is_shown(cell: OperatedCell) -> None:
     cell.publish('/rosout', Log(name='plc_node', msg='no signal', level=Log.WARN))
     cell.wait(lambda: [text for _, text in cell.operator.prints][-1:] == ['hello'], 'a print')
     cell.wait(lambda: cell.operator.messages.shown(Level.WARNING, 'no signal'), 'a message')
+    due = 1e-9 * cell.node.get_clock().now().nanoseconds + 1000.0
+    pending = json.dumps([[due, 4, {'digital_input.1': 1.0}]])
+    values = [KeyValue(key='script', value='press.yaml'), KeyValue(key='pending', value=pending)]
+    cell.publish('plc_status', DiagnosticStatus(message='ready', values=values), STATE)
+    cell.wait(lambda: cell.state.plc.script == 'press.yaml', 'a scripted PLC')
+    ((time, line, inputs),) = cell.state.plc.pending
+    assert time <= cell.operator.now() + 1000.0
+    assert (line, inputs) == (4, {'digital_input.1': 1.0})
     status = DiagnosticStatus(name='/visualizer_node', values=[])
     cell.publish('/diagnostics', DiagnosticArray(status=[status]))
     assert cell.state.q.shape == (robot.num_axes,)

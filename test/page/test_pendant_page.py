@@ -17,7 +17,7 @@ from websockets.sync.client import connect
 
 from robots_controller.interpreter.debugger import CallStack, Frame, Variable
 from robots_controller.pendant.pendant_operator import PendantOperator
-from robots_controller.pendant.pendant_state import ShownProgram
+from robots_controller.pendant.pendant_state import ShownPlc, ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
@@ -357,6 +357,25 @@ def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, c
     page.get_by_label('Name or number').fill('')
 
 
+def test_forced_inputs_and_the_plc_cannot_be_overlooked(page: Page, operator: PendantOperator) -> None:
+    show(page, 'Program')
+    forced = replace(operator.state.io, forced=frozenset({'digital_input.3', 'digital_input.60'}))
+    due = operator.now() + 100.0
+    plc = ShownPlc('press.yaml', pending=((due, 12, {'digital_input.4': 1.0}),))
+    operator.state = replace(operator.state, io=forced, plc=plc)
+    page.get_by_text('Forced: part_present, digital_input.60').wait_for()
+    show(page, 'I/O')
+    panel = page.locator('.io-panel')
+    panel.get_by_text(re.compile(r'^PLC press\.yaml: in \d+\.\d s part_pressed = 1 \(line 12\)$')).wait_for()
+    panel.locator('.channel .forced:visible').nth(1).wait_for()  # beyond the first 16 too
+    operator.state = replace(operator.state, plc=replace(plc, pending=()))
+    panel.get_by_text('PLC press.yaml: waits').wait_for()
+    operator.state = replace(operator.state, plc=replace(plc, error='rules without end'))
+    panel.locator('.plc.wrong').get_by_text('PLC press.yaml: ended: rules without end').wait_for()
+    operator.state = replace(operator.state, plc=replace(plc, lost=True))
+    panel.get_by_text('PLC press.yaml: no sign of life').wait_for()
+
+
 def test_chosen_signals_are_drawn(page: Page, operator: PendantOperator) -> None:
     operator.trends.add(0.0, operator.state)
     show(page, 'Trends')
@@ -384,7 +403,7 @@ def test_a_second_page_looks_on_until_it_takes_control(
     other.get_by_role('button', name='Bedienung übernehmen').click()
     other.get_by_role('dialog').get_by_role('button', name='Übernehmen', exact=True).click()
     other.get_by_text('Sie bedienen').wait_for()
-    page.get_by_text('Another page operates').first.wait_for()
+    page.get_by_text('Another page operates: 127.0.0.1').first.wait_for()
     assert other.locator('body.body--dark').count() == 1
     other.get_by_role('button', name='Bedienung abgeben').click()
     page.get_by_text('Nobody operates').wait_for()

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from robots_controller.control.stops.faults import Fault
-from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.channels import channel_label, found_channels
 from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
-from robots_controller.pendant.pendant_state import PendantState, ShownIo
+from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
 from robots_controller.pendant.permissions import Reason
 from robots_controller.pendant.programs import program_files, read_program
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError
 from robots_core.operating_modes import Commander
 
@@ -77,6 +79,19 @@ def test_messages_that_repeat_are_counted_and_come_first() -> None:
     assert (log.pending, log.shown()[0].count) == (1, 1)
 
 
+def test_messages_have_the_line_of_the_program_that_ran() -> None:
+    program = ShownProgram('/p/weld.lua', RunState.RUNNING, 'weld.lua', 14, 'seam.lua', 3)
+    assert program.place(of_motion=False) == 'weld.lua:14'
+    assert program.place(of_motion=True) == 'seam.lua:3'
+    assert replace(program, motion_line=0).place(of_motion=True) == 'weld.lua:14'
+    assert replace(program, state=RunState.PAUSED).place(of_motion=False) == ''
+    log = MessageLog()
+    for place in ('weld.lua:12', 'weld.lua:14'):
+        log.add(1.0, Level.WARNING, 'a_node', 'limit', place)
+    (found,) = log.shown(part='weld.lua:14')
+    assert (found.place, found.count) == ('weld.lua:14', 2)
+
+
 def test_only_the_newest_messages_are_kept() -> None:
     log = MessageLog()
     for number in range(LONGEST + 3):
@@ -92,6 +107,11 @@ def test_channels_are_found_by_name_and_number() -> None:
     assert [one.index for one in found_channels(io, 'digital_inputs', ' 12 ')] == [3, 12]
     assert found_channels(io, 'digital_inputs', 'nothing') == []
     assert found_channels(io, 'analog_outputs', '') == []
+    assert channel_label(io, 'digital_input.2') == 'gripper_open'
+    assert [channel_label(io, f'digital_input.{one}') for one in (1, 4)] == [
+        'digital_input.1',
+        'digital_input.4',
+    ]
 
 
 def test_programs_are_found_and_read(tmp_path: Path) -> None:

@@ -27,6 +27,8 @@ from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 from robots_planning.pathplanning import PathPlanning
 
+MOVERS: Final = (PLANNER, 'controller_node')
+"""What they report belongs to the motion that was sent last."""
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
 
 
@@ -73,6 +75,7 @@ class PendantNode(RobotNode):
             self._make_planning,
             Recording(Path(recordings).resolve(), self.robot_name, self.get_namespace()),
         )
+        self.operator.desk.told = self.journal.info
         WatchedScene(self, self._on_scene)
         reader = CellReader(self, self.operator)
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
@@ -138,7 +141,8 @@ class PendantNode(RobotNode):
             return
         level = next((one for number, one in LEVELS if message.level >= number), Level.INFO)
         if message.level >= Log.INFO:
-            self.operator.messages.add(seconds(message.stamp), level, name, message.msg)
+            place = self.operator.state.program.place(of_motion=name in MOVERS)
+            self.operator.messages.add(seconds(message.stamp), level, name, message.msg, place)
 
     def destroy_node(self) -> None:
         """End the page and what it records with the node."""

@@ -51,6 +51,14 @@ class ShownProgram:
     points_file: str = ''
     frames_file: str = ''
 
+    def place(self, *, of_motion: bool) -> str:
+        """Where it or the motion sent last is, such as 'welding.lua:12'; '' while it does not run."""
+        if self.state is not RunState.RUNNING:
+            return ''
+        if of_motion and self.motion_line:
+            return f'{self.motion_file}:{self.motion_line}'
+        return f'{self.file}:{self.line}' if self.line else ''
+
 
 @dataclass(frozen=True)
 class ShownIo:
@@ -65,6 +73,24 @@ class ShownIo:
     values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     forced: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class ShownPlc:
+    """A scripted PLC.
+
+    Attributes:
+        script: Name of its file; '' where none is played.
+        error: Why it has ended; '' while it has not.
+        lost: It gives no sign of life.
+        pending: What it will do next: when (s, on the clock of the node that shows it), the line of the rule,
+            and inputs by name with their new values.
+    """
+
+    script: str = ''
+    error: str = ''
+    lost: bool = False
+    pending: tuple[tuple[float, int, Mapping[str, float]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -107,6 +133,7 @@ class PendantState:
         program: The robot program.
         breakpoints: Lines where programs are held, by file.
         io: Inputs and outputs.
+        plc: The scripted PLC at them.
         jog_speeds: Highest speeds of a jogged robot.
         settings: Those of the next motion, as planning_node has them.
     """
@@ -133,6 +160,7 @@ class PendantState:
     program: ShownProgram = field(default_factory=ShownProgram)
     breakpoints: Mapping[str, set[int]] = field(default_factory=dict)
     io: ShownIo = field(default_factory=ShownIo)
+    plc: ShownPlc = field(default_factory=ShownPlc)
     jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
     settings: MotionSettings = field(default_factory=MotionSettings)
 

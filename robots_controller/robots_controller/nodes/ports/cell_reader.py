@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -21,7 +22,7 @@ from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.nodes.ports.io_images import image_message
-from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownProgram
+from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc, ShownProgram
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.run_state import RunState
@@ -46,7 +47,7 @@ RATE: Final = 10.0  # Hz, of what is shown
 ASK_PERIOD: Final = 0.5  # s between requests to nodes that have not answered
 ANSWER_TIME: Final = 5.0  # s
 LOST_AFTER: Final = 1.0  # s
-PLANNER, PROGRAM, VIEW = 'planning_node', 'lua_program_node', 'visualizer_node'
+PLANNER, PROGRAM, VIEW, PLC = 'planning_node', 'lua_program_node', 'visualizer_node', 'plc_node'
 LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
 
 
@@ -73,7 +74,7 @@ class CellReader:
         self._question_clients: dict[str, Any] = {}
         self._open_questions: set[str] = set()
         self._subscribe()
-        self._watch = HeartbeatWatch(node, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
+        self._watch = HeartbeatWatch(node, (*WATCHED, PLC), LOST_AFTER, lambda *_: self._look_for_lost())
         asked = ('program', 'points_file', 'frames_file', 'breakpoints', *LABELS.values())
         self.ask(PROGRAM, asked, self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
@@ -107,6 +108,7 @@ class CellReader:
         subscribe(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
         subscribe(self._node, DiagnosticStatus, 'program_status', self._on_program)
         subscribe(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)
+        subscribe(self._node, DiagnosticStatus, 'plc_status', self._on_plc)
         for image in IMAGES:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
             subscribe(self._node, image_message(image), topic, partial(self._on_image, image))
@@ -160,6 +162,13 @@ class CellReader:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
         self.show(io=replace(self._holder.state.io, forced=forced))
 
+    def _on_plc(self, message: DiagnosticStatus) -> None:
+        values = diagnostic_values(message)
+        error = '' if message.level == DiagnosticStatus.OK else message.message
+        start = 1e-9 * self._node.get_clock().now().nanoseconds - self._node.now()
+        pending = tuple((time - start, line, inputs) for time, line, inputs in json.loads(values['pending']))
+        self.show(plc=ShownPlc(values['script'], error, pending=pending))
+
     def _on_image(self, image: str, message: Any) -> None:
         io, values = self._holder.state.io, tuple(map(float, message.data))
         if io.values.get(image) != values:
@@ -198,7 +207,8 @@ class CellReader:
 
     def _look_for_lost(self) -> None:
         lost = {*WATCHED} - self._seen | {*self._watch.lost}
-        self.show(lost=tuple(name for name in WATCHED if name in lost))
+        plc = replace(self._holder.state.plc, lost=PLC in lost)
+        self.show(lost=tuple(name for name in WATCHED if name in lost), plc=plc)
 
     # -- what they are asked ------------------------------------------------------------------------------
 

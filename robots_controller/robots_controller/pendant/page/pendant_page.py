@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
@@ -64,7 +65,8 @@ class PendantPage:
         client.page.language = PAGE_LANGUAGES[language]
         self._operator = operator
         self._number = 0  # of the newest press
-        self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
+        address = request.client.host if request.client else ''
+        self._viewer = viewer = Viewer(client.id, operator, read_texts(language), address)
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
         ui.colors(primary='#00796b')
@@ -166,7 +168,8 @@ class PendantPage:
         state = self._operator.state
         if state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
-            self._scene.props(f'src="{_scene_source(state.scene_url, self._host)}"')
+            source = json.dumps(_scene_source(state.scene_url, self._host))
+            ui.run_javascript(f'pendant.showScene("{self._scene.html_id}", {source})')
             self._scene.set_visibility(bool(state.scene_url))
             self._no_scene.set_visibility(not state.scene_url)
 
