@@ -186,6 +186,7 @@ def some_messages(operator: PendantOperator) -> None:
         Level.INFO,
         'planning_node',
         'PTP joint planned: 2.317 s, limited by 98 % of the velocity of A1',
+        'press_tending.lua:12',
     )
     log(start + 4.0, Level.WARNING, 'controller_node', 'motion stopped: stopped by its client')
     for second in range(3):

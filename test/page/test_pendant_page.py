@@ -230,6 +230,12 @@ def test_a_program_is_chosen_and_its_line_is_followed(
     page.get_by_role('option', name='welding.lua', exact=True).click()
     wait(page, lambda: any(call[0] == 'open' for call in cell.calls), 'a program to be opened')
     assert cell.calls[-1][1].endswith('/programs/welding.lua')
+    cell.refusal = 'the robot moves'
+    page.get_by_label('Robot program').click()
+    page.get_by_role('option', name='press_tending.lua', exact=True).click()
+    page.locator('.program-panel').get_by_text(cell.refusal).wait_for()
+    wait(page, lambda: page.get_by_label('Robot program').input_value() == '', 'no program')
+    cell.refusal = ''
     for line in (3, 40):
         running_program(operator, line=line)
         operator.print(f'at {line}')
