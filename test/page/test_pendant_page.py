@@ -169,6 +169,15 @@ def test_what_stops_robot_and_jog_is_said_in_the_language_of_the_page(
     operator.desk.holder = ''
 
 
+def test_the_3d_view_has_the_theme_of_the_page(running: Browser, operator: PendantOperator, url: str) -> None:
+    operator.state = replace(operator.state, scene_url='http://127.0.0.1:9')
+    other = open_page(running, url, color_scheme='dark')
+    for source in ('http://localhost:9?darkMode', 'http://localhost:9'):
+        other.locator(f'.scene iframe[src="{source}"]').wait_for()
+        other.get_by_role('button', name='Dark or light').click()
+    other.context.close()
+
+
 def test_a_browser_that_goes_away_lets_go(
     running: Browser, operator: PendantOperator, cell: MadeUpCell, url: str, shared_page: Page
 ) -> None:
