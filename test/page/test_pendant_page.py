@@ -17,7 +17,7 @@ from websockets.sync.client import connect
 
 from robots_controller.interpreter.debugger import CallStack, Frame, Variable
 from robots_controller.pendant.pendant_operator import PendantOperator
-from robots_controller.pendant.pendant_state import ShownPlc, ShownProgram
+from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
@@ -153,29 +153,6 @@ def test_what_will_stop_a_jog_is_announced(
     press(page, FORWARDS)
     page.get_by_text(re.compile(r'^In \d\.\d s: upper limit of A1$')).wait_for()
     page.mouse.up()
-
-
-def test_what_stops_robot_and_jog_is_said_in_the_language_of_the_page(
-    running: Browser, operator: PendantOperator, url: str
-) -> None:
-    other = open_page(running, url, locale='de-DE')
-    operator.desk.holder = ''
-    other.get_by_role('button', name='Bedienung übernehmen').click()
-    operator.state = replace(operator.state, hindrance='jogging is limited', limits=('A2 position upper',))
-    other.get_by_text('Das Handfahren ist begrenzt: obere Grenze von A2').wait_for()
-    operator.state = replace(operator.state, fault='pressed', fault_kind='emergency stop')
-    other.locator('.strip').get_by_text('angehalten: Not-Halt (pressed)').wait_for()
-    other.context.close()
-    operator.desk.holder = ''
-
-
-def test_the_3d_view_has_the_theme_of_the_page(running: Browser, operator: PendantOperator, url: str) -> None:
-    operator.state = replace(operator.state, scene_url='http://127.0.0.1:9')
-    other = open_page(running, url, color_scheme='dark')
-    for source in ('http://localhost:9?darkMode', 'http://localhost:9'):
-        other.locator(f'.scene iframe[src="{source}"]').wait_for()
-        other.get_by_role('button', name='Dark or light').click()
-    other.context.close()
 
 
 def test_a_browser_that_goes_away_lets_go(
@@ -370,25 +347,6 @@ def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, c
     operator.state = replace(operator.state, mode=OperatingMode.AUTOMATIC)
     page.locator('.io-panel').get_by_text('choose T1 or T2').wait_for()
     page.get_by_label('Name or number').fill('')
-
-
-def test_forced_inputs_and_the_plc_cannot_be_overlooked(page: Page, operator: PendantOperator) -> None:
-    show(page, 'Program')
-    forced = replace(operator.state.io, forced=frozenset({'digital_input.3', 'digital_input.60'}))
-    due = operator.now() + 100.0
-    plc = ShownPlc('press.yaml', pending=((due, 12, {'digital_input.4': 1.0}),))
-    operator.state = replace(operator.state, io=forced, plc=plc)
-    page.get_by_text('Forced: part_present, digital_input.60').wait_for()
-    show(page, 'I/O')
-    panel = page.locator('.io-panel')
-    panel.get_by_text(re.compile(r'^PLC press\.yaml: in \d+\.\d s part_pressed = 1 \(line 12\)$')).wait_for()
-    panel.locator('.channel .forced:visible').nth(1).wait_for()  # beyond the first 16 too
-    operator.state = replace(operator.state, plc=replace(plc, pending=()))
-    panel.get_by_text('PLC press.yaml: waits').wait_for()
-    operator.state = replace(operator.state, plc=replace(plc, error='rules without end'))
-    panel.locator('.plc.wrong').get_by_text('PLC press.yaml: ended: rules without end').wait_for()
-    operator.state = replace(operator.state, plc=replace(plc, lost=True))
-    panel.get_by_text('PLC press.yaml: no sign of life').wait_for()
 
 
 def test_chosen_signals_are_drawn(page: Page, operator: PendantOperator) -> None:
