@@ -109,6 +109,7 @@ _OWN_STATES: Final = (
     'digital_outputs',
     'analog_outputs',
     'forced_inputs',
+    'plc_status',
     'program_status',
 )
 _STATES_OF_ANYONE: Final = (

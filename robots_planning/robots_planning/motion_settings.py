@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -245,27 +245,51 @@ def checked(name: str) -> Callable[[Any], object]:
     return lambda value: CHECKS[name](value, name)
 
 
-def settings_as_text(settings: MotionSettings) -> dict[str, str]:
-    """The settings by name, each as JSON: how they stand in messages and bags."""
-    return {name: json.dumps(value) for name, value in asdict(settings).items()}
+def settings_as_text(settings: MotionSettings, pendant: Mapping[str, Any] | None = None) -> dict[str, str]:
+    """The settings by name, each as JSON: how they stand in messages and bags.
+
+    Args:
+        settings: Those of programs.
+        pendant: Own ones of the pendant, of `PENDANT_SETTINGS`.
+    """
+    named = {**asdict(settings), **{f'{PENDANT}{name}': value for name, value in (pendant or {}).items()}}
+    return {name: json.dumps(value) for name, value in named.items()}
 
 
-def settings_from_text(texts: Mapping[str, str]) -> MotionSettings:
+def of_pendant(settings: MotionSettings, own: Mapping[str, Any]) -> MotionSettings:
+    """The settings of a motion of the commander PENDANT.
+
+    Args:
+        settings: Those of programs.
+        own: Its own, of `PENDANT_SETTINGS`.
+    """
+    return replace(settings, **own, blend_zone=0.0, joint_blend_zone=0.0)
+
+
+def settings_from_text(texts: Mapping[str, str], *, pendant: bool = False) -> MotionSettings:
     """Inverse of `settings_as_text`; what is missing has its default.
+
+    Args:
+        texts: By name; those of the pendant's own settings begin with `PENDANT`.
+        pendant: Of a motion of the commander PENDANT.
 
     Raises:
         InvalidInputError: text that is no JSON, a setting that does not exist, or a value that is not valid.
     """
     values: dict[str, Any] = {}
+    own: dict[str, Any] = {}
     for name, text in texts.items():
-        if name not in DESCRIPTIONS:
+        found, known = (own, PENDANT_SETTINGS) if name.startswith(PENDANT) else (values, DESCRIPTIONS)
+        key = name.removeprefix(PENDANT)
+        if key not in known:
             raise InvalidInputError(f'unknown setting {name!r}; settings are {", ".join(DESCRIPTIONS)}')
-        values[name] = _value_from_text(name, text)
-    return MotionSettings(**values)
+        found[key] = _value_from_text(key, name, text)
+    settings = MotionSettings(**values)
+    return of_pendant(settings, own) if pendant else settings
 
 
-def _value_from_text(name: str, text: str) -> Any:
-    default = getattr(MotionSettings, name)
+def _value_from_text(setting: str, name: str, text: str) -> Any:
+    default = getattr(MotionSettings, setting)
     try:
         value = json.loads(text)
         if isinstance(default, tuple) and isinstance(value, list) and all(map(_is_number, value)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64
 
@@ -21,6 +22,7 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
+from robots_controller.report.recorded_run import read_run
 from robots_core.errors import BagError, InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
@@ -294,6 +296,14 @@ def test_what_the_cell_reports_is_shown(cell: OperatedCell) -> None:
     cell.publish('/rosout', Log(name='plc_node', msg='no signal', level=Log.WARN))
     cell.wait(lambda: [text for _, text in cell.operator.prints][-1:] == ['hello'], 'a print')
     cell.wait(lambda: cell.operator.messages.shown(Level.WARNING, 'no signal'), 'a message')
+    due = 1e-9 * cell.node.get_clock().now().nanoseconds + 1000.0
+    pending = json.dumps([[due, 4, {'digital_input.1': 1.0}]])
+    values = [KeyValue(key='script', value='press.yaml'), KeyValue(key='pending', value=pending)]
+    cell.publish('plc_status', DiagnosticStatus(message='ready', values=values), STATE)
+    cell.wait(lambda: cell.state.plc.script == 'press.yaml', 'a scripted PLC')
+    ((time, line, inputs),) = cell.state.plc.pending
+    assert time <= cell.operator.now() + 1000.0
+    assert (line, inputs) == (4, {'digital_input.1': 1.0})
     status = DiagnosticStatus(name='/visualizer_node', values=[])
     cell.publish('/diagnostics', DiagnosticArray(status=[status]))
     assert cell.state.q.shape == (robot.num_axes,)
@@ -313,9 +323,15 @@ def test_what_happens_is_recorded_and_reported_on(cell: OperatedCell) -> None:
     cell.hold('axes 1 -', lambda: any(cell.references[-1].velocities), 'it moves')
     cell.until_standing()
     cell.wait(lambda: 'joint_reference' in (bag / 'metadata.yaml').read_text(), 'references in the bag')
+    cell.wait(lambda: 'motion_result' in (bag / 'metadata.yaml').read_text(), 'results in the bag')
+    cell.step('axes 1 -', 0.01)
+    cell.until_standing()
     recording.end()
     assert recording.bag == ''
     assert '<html' in recording.report()
+    motion = read_run(bag, robot=ROBOT).motions[-1]
+    assert motion.settings.speed_fraction == pytest.approx(cell.state.jog_speeds.fraction)
+    assert settings(cell)['speed_fraction'] != pytest.approx(cell.state.jog_speeds.fraction)
 
 
 def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:

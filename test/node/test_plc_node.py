@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from plant_partners import MqttPartner, free_port
 from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_controller.nodes.plc_node import PlcNode
 from robots_core.errors import InvalidInputError
+from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
 
 from .bench import EVERY_STATE, Bench
@@ -43,6 +45,10 @@ class Robot(Bench):
 def test_inputs_follow_outputs_after_their_time(ros_nodes: Any, tmp_path: Path):
     robot = Robot(ros_nodes, tmp_path, SCRIPT)
     robot.wait(lambda: robot.digital and robot.analog, 'the first images')
+    told = robot.collect('plc_status', DiagnosticStatus, EVERY_STATE, diagnostic_values)
+    robot.wait(lambda: told, 'the state of the PLC')
+    assert told[0]['script'] == 'plc.yaml'
+    assert json.loads(told[0]['pending']) == []
     assert list(robot.digital[0][1]) == [0, 1]
     assert list(robot.analog[0][1]) == [0.0]
     started = robot.plc.get_clock().now().nanoseconds * 1e-9
@@ -50,6 +56,11 @@ def test_inputs_follow_outputs_after_their_time(ros_nodes: Any, tmp_path: Path):
     robot.wait(lambda: len(robot.digital) == 2 and len(robot.analog) == 2, 'the inputs')
     assert list(robot.digital[1][1]) == [1, 1]
     assert list(robot.analog[1][1]) == [2.5]
+    robot.wait(lambda: len(told) == 3, 'what was due, and its end')
+    ((time, line, inputs),) = json.loads(told[1]['pending'])
+    assert (line, inputs) == (4, {'digital_input.1': 1.0, 'analog_input.1': 2.5})
+    assert time - started >= 0.1
+    assert json.loads(told[2]['pending']) == []
     # Never early; how late depends on the machine.
     assert robot.digital[1][0] - started >= 0.1
     robot.switch(0, 1, 1)

@@ -36,6 +36,7 @@ LABELS = {
     'digital_outputs': ('start_press', 'gripper', 'part_placed'),
     'analog_inputs': ('press_force',),
 }
+PATIENCE = 60.0  # s
 SIZES = {'digital_inputs': 64, 'digital_outputs': 64, 'analog_inputs': 8, 'analog_outputs': 8}
 
 
@@ -141,9 +142,12 @@ def made_up_operator(robot: str = 'kuka_kr210_r2700') -> tuple[PendantOperator, 
 
 @contextmanager
 def served(
-    operator: PendantOperator, folder: Path = PROGRAMS, access: PageAccess | None = None
+    operator: PendantOperator,
+    folder: Path = PROGRAMS,
+    access: PageAccess | None = None,
+    connection_timeout: float = PATIENCE,
 ) -> Iterator[str]:
-    """The page of an operator; gives its address."""
+    """The page of an operator; gives its address. A browser that a busy machine holds up is not lost."""
     build = partial(PendantPage, operator, folder)
     server = PageServer(
         build,
@@ -151,6 +155,7 @@ def served(
         title=operator.robot.name,
         access=access,
         scene=lambda: operator.state.scene_url,
+        connection_timeout=connection_timeout,
     )
     try:
         yield server.url
@@ -181,6 +186,7 @@ def some_messages(operator: PendantOperator) -> None:
         Level.INFO,
         'planning_node',
         'PTP joint planned: 2.317 s, limited by 98 % of the velocity of A1',
+        'press_tending.lua:12',
     )
     log(start + 4.0, Level.WARNING, 'controller_node', 'motion stopped: stopped by its client')
     for second in range(3):

@@ -14,6 +14,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
 from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_controller.pendant.pendant_state import ShownPlc
 from robots_controller.pendant.trends import PERIOD
 from robots_core.blocks.visualizer import Visualizer
 from robots_core.orientation import rotation_from_vector
@@ -35,8 +36,11 @@ def show(operator: PendantOperator, view: str, url: str) -> None:
     for image, index in (('digital_inputs', 1), ('digital_inputs', 3), ('digital_outputs', 2)):
         state = switched(state, image, index, 1.0)
     state = switched(state, 'analog_inputs', 1, 41.5)
-    io = replace(state.io, forced=frozenset({'digital_input.3'}))
-    operator.state = replace(state, io=io, override=0.6, tool_speed=0.148)
+    operator.state = replace(state, override=0.6, tool_speed=0.148)
+    if view == 'io':
+        io = replace(state.io, forced=frozenset({'digital_input.3'}))
+        due = (operator.now() + 4.4, 43, {'digital_input.1': 1.0, 'digital_input.4': 1.0})
+        operator.state = replace(operator.state, io=io, plc=ShownPlc('press_tending.yaml', pending=(due,)))
     if view == 'program':
         running_program(operator, line=37)
     if view == 'frames' and not operator.measuring.points['tool']:

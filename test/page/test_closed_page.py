@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from nicegui import Client
+from nicegui import Client, core
 from playwright.sync_api import Browser
 
-from robots_controller.pendant.page.access.page_server import RECONNECT_TIMEOUT
+from robots_controller.pendant.page.access.page_server import CONNECTION_TIMEOUT, RECONNECT_TIMEOUT
 from robots_controller.pendant.page.pendant_page import GONE_AFTER
 from robots_controller.pendant.pendant_operator import PendantOperator
 
-from .browser_page import browser, open_page, take_control, wait
+from .browser_page import FORWARDS, POLL, browser, open_page, press, take_control, wait
 from .made_up_cell import made_up_operator, served
+from .silent_network import silent_network
 
 
 @pytest.fixture(scope='module')
@@ -58,3 +59,27 @@ def test_a_page_without_connection_has_no_control_when_it_comes_back(
     take_control(page)
     assert operator.desk.holder
     page.close()
+
+
+def test_a_network_that_falls_silent_frees_control_within_seconds(running: Browser) -> None:
+    operator, cell = made_up_operator()
+    with (
+        served(operator, connection_timeout=CONNECTION_TIMEOUT) as url,
+        silent_network(url) as network,
+    ):
+        silence = core.sio.eio.ping_interval + core.sio.eio.ping_timeout
+        assert silence + GONE_AFTER <= 6.0
+        page = open_page(running, network.url)
+        while not cell.moving():  # a busy machine may hold the browser up
+            take_control(page)
+            press(page, FORWARDS)
+            page.wait_for_timeout(POLL)
+        network.silence()
+        wait(page, lambda: not operator.desk.holder, 'control to be free')
+        assert not cell.moving()
+        jogs = len(cell.calls)
+        page.get_by_text('Connection lost').wait_for()
+        network.restore()
+        page.get_by_text('Nobody operates').wait_for()
+        assert len(cell.calls) == jogs  # signs of the press that come late move nothing
+        page.close()

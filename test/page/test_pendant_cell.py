@@ -26,6 +26,7 @@ ROBOT = 'bello_bot'
 TOUCHING = 'kuka_kr210_r2700'
 PATIENT = 20.0  # s, with drives that a busy machine delays
 LATE = 0.1  # rad
+PAGE = {'port': 0, 'connection_timeout': 60.0}
 
 
 def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -> None:
@@ -40,7 +41,7 @@ def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -
         ros_nodes.add(kind(**ros_nodes.options(robot_model=ROBOT)))
     options = {'robot_model': ROBOT, 'feedback_timeout': PATIENT, 'operating_mode': 'T1'}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**options)))
-    node = ros_nodes.add(PendantNode(**ros_nodes.options(robot_model=ROBOT, port=0)))
+    node = ros_nodes.add(PendantNode(**ros_nodes.options(robot_model=ROBOT, **PAGE)))
     with browser('--disable-gpu') as running:
         page = open_page(running, node.url)
         page.get_by_text('connected', exact=True).wait_for()
@@ -66,7 +67,7 @@ def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
     late = {'robot_model': TOUCHING, 'feedback_timeout': PATIENT, 'goal_tolerance': LATE}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**late)))
     node = ros_nodes.add(
-        PendantNode(**ros_nodes.options(robot_model=TOUCHING, port=0, programs=str(tmp_path)))
+        PendantNode(**ros_nodes.options(robot_model=TOUCHING, programs=str(tmp_path), **PAGE))
     )
     operator: PendantOperator = node.operator
     with browser('--disable-gpu') as running:

@@ -216,6 +216,12 @@ def test_a_program_is_chosen_and_its_line_is_followed(
     page.get_by_role('option', name='welding.lua', exact=True).click()
     wait(page, lambda: any(call[0] == 'open' for call in cell.calls), 'a program to be opened')
     assert cell.calls[-1][1].endswith('/programs/welding.lua')
+    cell.refusal = 'the robot moves'
+    page.get_by_label('Robot program').click()
+    page.get_by_role('option', name='press_tending.lua', exact=True).click()
+    page.locator('.program-panel').get_by_text(cell.refusal).wait_for()
+    wait(page, lambda: page.get_by_label('Robot program').input_value() == '', 'no program')
+    cell.refusal = ''
     for line in (3, 40):
         running_program(operator, line=line)
         operator.print(f'at {line}')
@@ -361,6 +367,7 @@ def test_a_second_page_looks_on_until_it_takes_control(
     running: Browser, page: Page, cell: MadeUpCell, url: str
 ) -> None:
     other = open_page(running, url, locale='de-DE', color_scheme='dark')
+    assert other.locator('html').get_attribute('lang') == 'de'
     other.get_by_text('Eine andere Seite bedient').first.wait_for()
     press(other, FORWARDS)
     other.get_by_role('alert').get_by_text('Eine andere Seite bedient den Roboter.').wait_for()
@@ -369,7 +376,7 @@ def test_a_second_page_looks_on_until_it_takes_control(
     other.get_by_role('button', name='Bedienung übernehmen').click()
     other.get_by_role('dialog').get_by_role('button', name='Übernehmen', exact=True).click()
     other.get_by_text('Sie bedienen').wait_for()
-    page.get_by_text('Another page operates').first.wait_for()
+    page.get_by_text('Another page operates: 127.0.0.1').first.wait_for()
     assert other.locator('body.body--dark').count() == 1
     other.get_by_role('button', name='Bedienung abgeben').click()
     page.get_by_text('Nobody operates').wait_for()

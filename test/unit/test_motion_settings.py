@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -25,6 +25,15 @@ def test_text_and_back_is_exact() -> None:
     assert list(texts) == list(DESCRIPTIONS)
 
 
+def test_motions_of_the_pendant_have_settings_of_their_own_beside_those_of_programs() -> None:
+    settings = MotionSettings(cartesian_speed=1.0, speed_fraction=0.9, blend_zone=0.1)
+    own = {'speed_fraction': 0.05, 'cartesian_speed': 0.02}
+    texts = settings_as_text(settings, own)
+    assert settings_from_text(texts) == settings
+    assert settings_from_text(texts, pendant=True) == replace(settings, **own, blend_zone=0.0)
+    assert settings_from_text(settings_as_text(settings), pendant=True) == replace(settings, blend_zone=0.0)
+
+
 def test_what_is_missing_has_its_default() -> None:
     assert settings_from_text({}) == MotionSettings()
     assert settings_from_text({'cartesian_speed': '0.25'}) == MotionSettings(cartesian_speed=0.25)
@@ -41,6 +50,7 @@ def test_every_setting_is_told() -> None:
     ('texts', 'message'),
     [
         ({'colour': '1'}, "unknown setting 'colour'; settings are speed_fraction"),
+        ({'pendant.tool': '[0, 0, 0, 0]'}, "unknown setting 'pendant.tool'"),
         ({'tool': 'left'}, "tool = 'left' is not JSON"),
         ({'tool': '[1, 2]'}, 'tool must have'),
         ({'speed_fraction': '2.0'}, 'speed_fraction'),

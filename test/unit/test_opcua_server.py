@@ -261,9 +261,9 @@ def test_faults_are_emergency_or_protective_stops(plain: Served) -> None:
             await nodes.value(f'{SAFETY}/di:ParameterSet/rob:{n}Stop') for n in ('Emergency', 'Protective')
         ]
 
-    plain.show(fault='emergency stop', emergency_stop=True)
+    plain.show(fault='emergency stop', fault_kind='emergency stop')
     assert plain.client(stops) == [True, False]
-    plain.show(fault='zone violated', emergency_stop=False)
+    plain.show(fault='zone violated', fault_kind='zone violated')
     assert plain.client(stops) == [False, True]
     plain.show()
 

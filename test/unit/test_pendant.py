@@ -265,7 +265,10 @@ def test_one_viewer_operates_and_another_one_takes_over_on_purpose() -> None:
     with pytest.raises(NotPermittedError, match='controlled'):
         desk.operator.take_control(OTHER)
     assert desk.cell.commanded().any()
-    desk.operator.take_control(OTHER, from_other=True)
+    told: list[str] = []
+    desk.operator.desk.told = told.append
+    desk.operator.take_control(OTHER, address='192.168.0.7', from_other=True)
+    assert told == ['the page at 192.168.0.7 operates the robot']
     assert not desk.cell.commanded().any()
     with pytest.raises(NotPermittedError, match='controlled'):
         desk.hold(2)

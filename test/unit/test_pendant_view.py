@@ -3,25 +3,51 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from robots_controller.pendant.channels import found_channels
+from robots_controller.control.stops.faults import Fault
+from robots_controller.pendant.channels import channel_label, found_channels
 from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
-from robots_controller.pendant.pendant_state import ShownIo
+from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
+from robots_controller.pendant.permissions import Reason
 from robots_controller.pendant.programs import program_files, read_program
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError
+from robots_core.operating_modes import Commander
+
+OF_NODES = ('errors.', 'faults.')  # who say them in English
 
 
 def test_the_languages_say_the_same() -> None:
     english = read_texts('en').texts
     for code in LANGUAGES:
-        texts = {key: text for key, text in read_texts(code).texts.items() if not key.startswith('errors.')}
+        texts = {key: text for key, text in read_texts(code).texts.items() if not key.startswith(OF_NODES)}
         assert texts.keys() == english.keys()
         for key, text in texts.items():
             assert re.findall(r'{\w+}', text) == re.findall(r'{\w+}', english[key]), key
+
+
+def test_every_fault_has_its_german_name() -> None:
+    german = read_texts('de')
+    known = {key.removeprefix('faults.') for key in german.texts if key.startswith('faults.')}
+    assert known == {fault.label for fault in Fault}
+    assert german.fault(Fault.FEEDBACK_LOST.label, 'no joint_states for 0.1 s') == (
+        'Keine gemessenen Stellungen (no joint_states for 0.1 s)'
+    )
+    assert read_texts('en').fault(Fault.FEEDBACK_LOST.label, 'no joint_states') == 'no joint_states'
+
+
+@pytest.mark.parametrize('code', ['en', 'de'])
+def test_reasons_name_states_in_the_language_of_the_page(code: str) -> None:
+    text = read_texts(code)
+    said = text.reason(Reason('commanded', PendantState(commander=Commander.SENSOR).values))
+    assert text('commanders.SENSOR') in said
+    said = text.reason(Reason('fault', PendantState(fault='pressed', fault_kind='emergency stop').values))
+    assert ('Not-Halt (pressed)' if code == 'de' else 'stopped: pressed') in said
 
 
 @pytest.mark.parametrize(
@@ -53,6 +79,19 @@ def test_messages_that_repeat_are_counted_and_come_first() -> None:
     assert (log.pending, log.shown()[0].count) == (1, 1)
 
 
+def test_messages_have_the_line_of_the_program_that_ran() -> None:
+    program = ShownProgram('/p/weld.lua', RunState.RUNNING, 'weld.lua', 14, 'seam.lua', 3)
+    assert program.place(of_motion=False) == 'weld.lua:14'
+    assert program.place(of_motion=True) == 'seam.lua:3'
+    assert replace(program, motion_line=0).place(of_motion=True) == 'weld.lua:14'
+    assert replace(program, state=RunState.PAUSED).place(of_motion=False) == ''
+    log = MessageLog()
+    for place in ('weld.lua:12', 'weld.lua:14'):
+        log.add(1.0, Level.WARNING, 'a_node', 'limit', place)
+    (found,) = log.shown(part='weld.lua:14')
+    assert (found.place, found.count) == ('weld.lua:14', 2)
+
+
 def test_only_the_newest_messages_are_kept() -> None:
     log = MessageLog()
     for number in range(LONGEST + 3):
@@ -68,6 +107,11 @@ def test_channels_are_found_by_name_and_number() -> None:
     assert [one.index for one in found_channels(io, 'digital_inputs', ' 12 ')] == [3, 12]
     assert found_channels(io, 'digital_inputs', 'nothing') == []
     assert found_channels(io, 'analog_outputs', '') == []
+    assert channel_label(io, 'digital_input.2') == 'gripper_open'
+    assert [channel_label(io, f'digital_input.{one}') for one in (1, 4)] == [
+        'digital_input.1',
+        'digital_input.4',
+    ]
 
 
 def test_programs_are_found_and_read(tmp_path: Path) -> None:

@@ -46,6 +46,27 @@ def test_when_an_output_rises_an_input_follows_after_its_time():
     assert machine.next_time == math.inf
 
 
+def test_what_is_due_is_told_with_its_rule():
+    machine = plc("""
+  - {when: every 5 s, after: 0.5, set: {digital_input.4: 1}}
+  - {when: digital_output.1 rises, after: 0.8, set: {digital_input.3: 1}, for: 1.0}
+""")
+    every, due = (5.5, 3, {'digital_input.4': 1.0}), (2.8, 4, {'digital_input.3': 1.0})
+    assert pending(machine) == [every]
+    changes(machine, 2.0, output=1.0)
+    assert pending(machine) == [due, every]
+    changes(machine, 3.0)
+    back = (3.8, 4, {'digital_input.3': 0.0})
+    assert pending(machine) == [back, every]
+
+
+def pending(machine: ScriptedPlc) -> list[tuple[float, int, dict[str, float]]]:
+    return [
+        (round(one.time, 9), one.line, {channel.name: value for channel, value in one.settings})
+        for one in machine.pending
+    ]
+
+
 def test_rules_of_inputs_follow_each_other_without_losing_time():
     machine = plc("""
   - {when: digital_output.1 rises, after: 0.5, set: {digital_input.1: 1}}

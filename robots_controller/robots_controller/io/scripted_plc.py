@@ -30,9 +30,25 @@ class InputChange:
 
 
 @dataclass(frozen=True)
+class PendingChange:
+    """What the PLC will do by itself, unless outputs change that.
+
+    Attributes:
+        time: When, s.
+        line: The rule's line.
+        settings: Inputs and their new values.
+    """
+
+    time: float
+    line: int
+    settings: tuple[tuple[Channel, float], ...]
+
+
+@dataclass(frozen=True)
 class _Due:
     settings: tuple[tuple[Channel, float], ...]
-    rule: PlcRule | None  # to be triggered again, or to be reverted after its duration
+    rule: PlcRule
+    reverts: bool = False  # after the duration of the rule
 
 
 class ScriptedPlc:
@@ -75,6 +91,16 @@ class ScriptedPlc:
             return 0.0
         return self._due[0][0] if self._due else math.inf
 
+    @property
+    def pending(self) -> tuple[PendingChange, ...]:
+        """What is due, in the order of time."""
+        found = []
+        for time, _, due in self._due:
+            rule = due.rule
+            when = time if due.settings else time + rule.after
+            found.append(PendingChange(when, rule.line, due.settings or rule.settings))
+        return tuple(sorted(found, key=lambda one: one.time))
+
     def output(self, name: str, value: float) -> None:
         """Take the value of an output such as 'digital_output.1'; outputs of no rule are ignored."""
         channel, last = self._read.get(name, (None, value))
@@ -114,7 +140,7 @@ class ScriptedPlc:
                 raise InvalidInputError(
                     f'rules trigger each other without end at {time:g} s; give one of them a time after'
                 )
-            if due.rule is not None and not due.settings:
+            if not due.settings:
                 self._trigger(time, due.rule)
                 if due.rule.period < math.inf:
                     self._schedule(time + due.rule.period, due)
@@ -125,8 +151,8 @@ class ScriptedPlc:
         before = tuple((channel, self._values[channel]) for channel, _ in due.settings)
         for channel, value in due.settings:
             self._set(time, channel, value)
-        if due.rule is not None and due.rule.duration < math.inf:
-            self._schedule(time + due.rule.duration, _Due(before, None))
+        if not due.reverts and due.rule.duration < math.inf:
+            self._schedule(time + due.rule.duration, _Due(before, due.rule, reverts=True))
 
     def _set(self, time: float, channel: Channel, value: float) -> None:
         before, self._values[channel] = self._values[channel], value

@@ -27,6 +27,8 @@ from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 from robots_planning.pathplanning import PathPlanning
 
+MOVERS: Final = (PLANNER, 'controller_node')
+"""What they report belongs to the motion that was sent last."""
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
 
 
@@ -53,6 +55,12 @@ class PendantNode(RobotNode):
             'password_file', '', 'its first line is what a viewer must give; empty: nothing'
         )
         access = read_access(host, password_file)
+        connection_timeout = self.parameter(
+            'connection_timeout',
+            4.0,
+            'silence of a browser after which it has no control any more, s; longer for networks that pause',
+            bounds=(2.0, 60.0),
+        )
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
         recordings = self.parameter(
             'recordings', 'out', 'folder of the bags that are recorded and reported on'
@@ -67,17 +75,18 @@ class PendantNode(RobotNode):
             self._make_planning,
             Recording(Path(recordings).resolve(), self.robot_name, self.get_namespace()),
         )
+        self.operator.desk.told = self.journal.info
         WatchedScene(self, self._on_scene)
         reader = CellReader(self, self.operator)
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
         subscribe(self, Log, '/rosout', self._on_log)
-        self._server = self._serve(port, Path(folder).resolve(), access)
+        self._server = self._serve(port, Path(folder).resolve(), access, connection_timeout)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
 
-    def _serve(self, port: int, folder: Path, access: PageAccess) -> Any:
+    def _serve(self, port: int, folder: Path, access: PageAccess, connection_timeout: float) -> Any:
         try:
             from robots_controller.pendant.page.access.page_server import PageServer  # noqa: PLC0415
             from robots_controller.pendant.page.pendant_page import PendantPage  # noqa: PLC0415
@@ -94,6 +103,7 @@ class PendantNode(RobotNode):
             told=self.journal.warning,
             report=self.operator.recording.report,
             scene=lambda: self.operator.state.scene_url,
+            connection_timeout=connection_timeout,
         )
 
     @property
@@ -131,7 +141,8 @@ class PendantNode(RobotNode):
             return
         level = next((one for number, one in LEVELS if message.level >= number), Level.INFO)
         if message.level >= Log.INFO:
-            self.operator.messages.add(seconds(message.stamp), level, name, message.msg)
+            place = self.operator.state.program.place(of_motion=name in MOVERS)
+            self.operator.messages.add(seconds(message.stamp), level, name, message.msg, place)
 
     def destroy_node(self) -> None:
         """End the page and what it records with the node."""

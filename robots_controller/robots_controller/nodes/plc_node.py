@@ -1,9 +1,11 @@
 """plc_node: a scripted PLC, for tests and demonstrations."""
 
+import json
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -18,10 +20,13 @@ from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.ports.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 
 PORT: Final = 'at this port of this machine, with the addresses of its channels; 0: none'
+MOST_PENDING: Final = 20  # that are published
 IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 
 
@@ -62,6 +67,9 @@ class PlcNode(RobotNode):
         self._inputs = InputImages(self, () if self._servers else script.inputs)
         self._outputs = OutputImages(self, () if self._servers else self._plc.outputs, self._on_outputs)
         self._set_inputs(self._plc.inputs)
+        self._script_name = Path(path).name
+        self._status = make_publisher(self, DiagnosticStatus, 'plc_status')
+        self._published: object = None
         self.ready('ready' if path else 'ready; parameter script is empty, no input is set')
         if self.simulated_time:
             self.start_loop(lambda _: self._step(), period=cycle, name='PLC')
@@ -100,14 +108,37 @@ class PlcNode(RobotNode):
         except InvalidInputError as error:
             self.journal.error(str(error))
             self.report_health(DiagnosticStatus.ERROR, str(error))
+            self._publish_status(str(error))
             self._timer.cancel()
             return
         for change in changes:
             self._set_inputs({change.channel: change.value})
+        self._publish_status()
         if not self.simulated_time:
             due = self._plc.next_time - now
             self._timer.timer_period_ns = int(1e9 * (IDLE_PERIOD if due == math.inf else max(1e-4, due)))
             self._timer.reset()
+
+    def _publish_status(self, error: str = '') -> None:
+        """Publish what the PLC will do, if that is not what was published before."""
+        pending = self._plc.pending[:MOST_PENDING]
+        if (error, pending) == self._published:
+            return
+        self._published = error, pending
+        start = 1e-9 * self.get_clock().now().nanoseconds - self.now()
+        told = [
+            [start + one.time, one.line, {channel.name: value for channel, value in one.settings}]
+            for one in pending
+        ]
+        status = diagnostic_status(
+            'plc',
+            error or 'ready',
+            level=DiagnosticStatus.ERROR if error else DiagnosticStatus.OK,
+            hardware_id=self.robot_name,
+            script=self._script_name,
+            pending=json.dumps(told),
+        )
+        self._status.publish(status)
 
     def destroy_node(self) -> None:
         """End the servers with the node."""

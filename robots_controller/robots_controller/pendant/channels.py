@@ -22,3 +22,10 @@ def found_channels(io: ShownIo, image: str, part: str) -> list[Channel]:
         for index in range(1, len(io.values.get(image, ())) + 1)
     ]
     return [one for one in channels if wanted in one.label.casefold() or wanted in ('', str(one.index))]
+
+
+def channel_label(io: ShownIo, name: str) -> str:
+    """The name that a channel such as 'digital_input.3' has in the cell; its own where it has none."""
+    image, _, number = name.partition('.')
+    labels = io.labels.get(f'{image}s', ())
+    return (labels[int(number) - 1] if int(number) <= len(labels) else '') or name

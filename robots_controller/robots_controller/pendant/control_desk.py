@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from robots_controller.pendant.permissions import NotPermittedError, Reason
 
 
@@ -11,12 +13,17 @@ class ControlDesk:
     def __init__(self) -> None:
         self.holder = ''
         """The viewer in control; '' for none."""
+        self.address = ''
+        """Of its browser."""
+        self.told: Callable[[str], object] = str
+        """Gets who has taken control, for a log."""
 
-    def take(self, viewer: str, *, from_other: bool = False) -> None:
+    def take(self, viewer: str, *, address: str = '', from_other: bool = False) -> None:
         """Take control.
 
         Args:
             viewer: Who.
+            address: Of its browser.
             from_other: On purpose, from a viewer that has it.
 
         Raises:
@@ -24,7 +31,9 @@ class ControlDesk:
         """
         if self.holder not in ('', viewer) and not from_other:
             raise NotPermittedError(Reason('controlled'))
-        self.holder = viewer
+        if viewer != self.holder:
+            self.told(f'the page at {address} operates the robot')
+        self.holder, self.address = viewer, address
 
     def give_back(self, viewer: str) -> None:
         """Give control back, if the viewer has it."""

@@ -28,6 +28,7 @@ class LoggedMessage:
         level: How bad it is.
         node: Who said it.
         text: For a person.
+        place: Where the program was when it came last, such as 'welding.lua:12'; '' while none ran.
         count: How often it came since it was acknowledged.
         acknowledged: A person has taken note of it.
     """
@@ -36,6 +37,7 @@ class LoggedMessage:
     level: Level
     node: str
     text: str
+    place: str = ''
     count: int = 1
     acknowledged: bool = False
 
@@ -49,14 +51,14 @@ class MessageLog:
         self.version = 0
         """Another one after each change."""
 
-    def add(self, time: float, level: Level, node: str, text: str) -> None:
+    def add(self, time: float, level: Level, node: str, text: str, place: str = '') -> None:
         """Add a message."""
         key = node, text, level
         with self._lock:
             before = self._messages.pop(key, None)
             again = before is not None and not before.acknowledged
             count = before.count + 1 if before is not None and again else 1
-            self._messages[key] = LoggedMessage(time, level, node, text, count)
+            self._messages[key] = LoggedMessage(time, level, node, text, place, count)
             while len(self._messages) > LONGEST:
                 self._messages.popitem(last=False)
             self.version += 1
@@ -69,14 +71,15 @@ class MessageLog:
             self.version += 1
 
     def shown(self, lowest: Level = Level.INFO, part: str = '') -> list[LoggedMessage]:
-        """Messages of at least a level whose text or node contains a part, newest first."""
+        """Messages of at least a level whose text, node or place contains a part, newest first."""
         wanted = part.casefold()
         with self._lock:
             messages = [*self._messages.values()]
         return [
             message
             for message in reversed(messages)
-            if message.level >= lowest and wanted in f'{message.node} {message.text}'.casefold()
+            if message.level >= lowest
+            and wanted in f'{message.node} {message.place} {message.text}'.casefold()
         ]
 
     @property

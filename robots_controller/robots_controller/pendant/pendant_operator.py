@@ -76,6 +76,7 @@ class PendantOperator:
     ) -> None:
         planning = planning or (lambda: PathPlanning(robot))
         self.robot: Final = robot
+        self.now: Final = now
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
         self.teaching: Final = Teaching(robot)
@@ -101,9 +102,9 @@ class PendantOperator:
 
     # -- viewers ------------------------------------------------------------------------------------------
 
-    def take_control(self, viewer: str, *, from_other: bool = False) -> None:
+    def take_control(self, viewer: str, *, address: str = '', from_other: bool = False) -> None:
         """See `ControlDesk.take`; what the other viewer holds is released."""
-        self.desk.take(viewer, from_other=from_other)
+        self.desk.take(viewer, address=address, from_other=from_other)
         if self.held.viewer != viewer:
             self.held.release()
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from robots_controller.control.stops.faults import Fault
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import NOTHING, Payload
@@ -19,6 +20,7 @@ WATCHED: Final = ('controller_node', 'planning_node', 'lua_program_node')
 """Nodes without which a robot cannot be operated."""
 STARTABLE: Final = frozenset({RunState.OPENED, RunState.STOPPED, RunState.FINISHED, RunState.FAILED})
 """States from which a program runs from its start."""
+EMERGENCY_STOPS: Final = (Fault.EMERGENCY_STOP.label, Fault.EMERGENCY_STOP_INPUT.label)
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,14 @@ class ShownProgram:
     points_file: str = ''
     frames_file: str = ''
 
+    def place(self, *, of_motion: bool) -> str:
+        """Where it or the motion sent last is, such as 'welding.lua:12'; '' while it does not run."""
+        if self.state is not RunState.RUNNING:
+            return ''
+        if of_motion and self.motion_line:
+            return f'{self.motion_file}:{self.motion_line}'
+        return f'{self.file}:{self.line}' if self.line else ''
+
 
 @dataclass(frozen=True)
 class ShownIo:
@@ -63,6 +73,24 @@ class ShownIo:
     values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     forced: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class ShownPlc:
+    """A scripted PLC.
+
+    Attributes:
+        script: Name of its file; '' where none is played.
+        error: Why it has ended; '' while it has not.
+        lost: It gives no sign of life.
+        pending: What it will do next: when (s, on the clock of the node that shows it), the line of the rule,
+            and inputs by name with their new values.
+    """
+
+    script: str = ''
+    error: str = ''
+    lost: bool = False
+    pending: tuple[tuple[float, int, Mapping[str, float]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -91,7 +119,7 @@ class PendantState:
         drives_on: The drives follow the references.
         fault: Why the robot is stopped until a reset; '' if it is not.
         override: Speed override, 0..1.
-        emergency_stop: The fault is an emergency stop.
+        fault_kind: Label of that `Fault`, such as 'feedback lost'; '' for none.
         q: Measured joint positions, (n,), rad (m); None before the first.
         q_dot: Measured joint velocities, (n,), rad/s (m/s); None where none are measured.
         torque: Of the axes, (n,), N m (N); None where none are measured.
@@ -99,11 +127,13 @@ class PendantState:
         tool: Pose of the tool centre point of `settings` in the robot's base; None before the first.
         tool_speed: Of the tool centre point, m/s.
         distance: Smallest distance to a collision, m; NaN where none is watched.
-        hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
+        hindrance: What planning_node reports as wrong; '' for nothing.
+        limits: What stops or slows the jog of that, as in `TeachStep`.
         scene_url: Address of the 3D view; '' for none.
         program: The robot program.
         breakpoints: Lines where programs are held, by file.
         io: Inputs and outputs.
+        plc: The scripted PLC at them.
         jog_speeds: Highest speeds of a jogged robot.
         settings: Those of the next motion, as planning_node has them.
     """
@@ -116,7 +146,7 @@ class PendantState:
     drives_on: bool = False
     fault: str = ''
     override: float = 1.0
-    emergency_stop: bool = False
+    fault_kind: str = ''
     q: Array | None = None
     q_dot: Array | None = None
     torque: Array | None = None
@@ -125,12 +155,19 @@ class PendantState:
     tool_speed: float = 0.0
     distance: float = math.nan
     hindrance: str = ''
+    limits: tuple[str, ...] = ()
     scene_url: str = ''
     program: ShownProgram = field(default_factory=ShownProgram)
     breakpoints: Mapping[str, set[int]] = field(default_factory=dict)
     io: ShownIo = field(default_factory=ShownIo)
+    plc: ShownPlc = field(default_factory=ShownPlc)
     jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
     settings: MotionSettings = field(default_factory=MotionSettings)
+
+    @property
+    def emergency_stop(self) -> bool:
+        """The fault is an emergency stop."""
+        return self.fault_kind in EMERGENCY_STOPS
 
     @property
     def values(self) -> Mapping[str, Any]:
@@ -140,6 +177,7 @@ class PendantState:
             'mode': self.mode or '?',
             'commander': self.commander,
             'fault': self.fault,
+            'fault_kind': self.fault_kind,
             'program': self.program.file or self.program.path.rpartition('/')[2],
             'state': self.program.state,
         }

@@ -11,12 +11,14 @@ from typing import Any, Final
 
 import yaml
 
-from robots_controller.pendant.permissions import NotPermittedError
+from robots_controller.pendant.permissions import NotPermittedError, Reason
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 
 LANGUAGES: Final[Mapping[str, str]] = {'en': 'English', 'de': 'Deutsch'}
 """Names by code; each has its file in `texts`."""
 DEFAULT: Final = 'en'
+NAMED: Final = {'commander': 'commanders', 'state': 'states'}
+"""Values of reasons that have texts of their own, with their section."""
 SHOWN_UNITS: Final[Mapping[str, tuple[float, int]]] = {
     'mm': (1e3, 2),
     'kg': (1.0, 3),
@@ -41,10 +43,23 @@ class Texts:
         """The text of a key with its values."""
         return self.texts[key].format(**values)
 
+    def fault(self, kind: str, fault: str) -> str:
+        """Why the robot is stopped: the kind of fault in this language, and what the controller says."""
+        named = self.texts.get(f'faults.{kind}')
+        return fault if named is None else f'{named} ({fault})'
+
+    def reason(self, reason: Reason) -> str:
+        """Why something may not be pressed."""
+        values = dict(reason.values)
+        for name, section in NAMED.items():
+            values[name] = self.texts.get(f'{section}.{values.get(name)}', values.get(name, ''))
+        values['fault'] = self.fault(values.get('fault_kind', ''), values.get('fault', ''))
+        return self(f'reasons.{reason.key}', **values)
+
     def error(self, error: RobotsError) -> str:
         """What an error says in this language; in English where there is no text for its key or code."""
         if isinstance(error, NotPermittedError):
-            return self(f'reasons.{error.reason.key}', **error.reason.values)
+            return self.reason(error.reason)
         for key in (f'errors.{error.code}_{error.details.get("key")}', f'errors.{error.code}'):
             if (text := self.texts.get(key)) is not None:
                 with suppress(KeyError):  # a node of another version may send other facts

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.recording.joint_rows import joint_columns, seconds
+from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -27,6 +28,7 @@ MOTION_TOPICS: Final = (
     'motion_progress',
     'motion_result',
     'program_status',
+    'commander',
 )
 Messages = Mapping[str, Sequence[tuple[float, Any]]]
 """(time in s, message) by topic, in order."""
@@ -123,6 +125,7 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
     results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
     settings, program = _Timeline(messages['motion_settings']), _Timeline(messages['program_status'])
+    commanders = messages.get('commander', ())
     # Those that a status names; the first one that does counts.
     places = {values['motion']: values for values in reversed(program.values) if 'motion' in values}
     commands = sorted(
@@ -143,7 +146,13 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         last = plan_of.get(id_, id_)
         now, place = program.at(time), places.get(id_, {})
         motion = replace(
-            _command(robot, settings.at(time), (topic, message), result, planned=last in plans),
+            _command(
+                robot,
+                settings_from_text(settings.at(time), pendant=_of_pendant(commanders, time)),
+                (topic, message),
+                result,
+                planned=last in plans,
+            ),
             file=place.get('motion_file', now.get('file', '')),
             line=int(place.get('motion_line', now.get('line')) or 0),
         )
@@ -256,11 +265,16 @@ class _Timeline:
         return self.values[index] if index >= 0 else {}
 
 
+def _of_pendant(commanders: Sequence[tuple[float, Any]], time: float) -> bool:
+    """The pendant had command of the robot at a time, s."""
+    index = bisect_right(commanders, time, key=lambda item: item[0]) - 1
+    return index >= 0 and commanders[index][1].data == Commander.PENDANT
+
+
 def _command(
-    robot: BaseRobotModel, held: dict[str, str], sent: tuple[str, Any], result: Any, *, planned: bool
+    robot: BaseRobotModel, settings: MotionSettings, sent: tuple[str, Any], result: Any, *, planned: bool
 ) -> MotionRecord:
     topic, message = sent
-    settings = settings_from_text(held) if held else MotionSettings()
     ok = result is not None and result.level == OK
     q, pose = None, Pose.identity()
     if not (ok or planned):

@@ -118,8 +118,8 @@ class JogStream:
 
     def _report(self) -> None:
         if self._limits:
-            text = f'jogging is limited by {", ".join(self._limits)}'
-            self._node.report_health(DiagnosticStatus.WARN, text)
+            limits = ', '.join(self._limits)
+            self._node.report_health(DiagnosticStatus.WARN, f'jogging is limited by {limits}', limits=limits)
         else:
             self._node.ready()
 

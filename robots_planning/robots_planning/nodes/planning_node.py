@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
@@ -53,6 +52,7 @@ from robots_planning.motion_settings import (
     RANGES,
     MotionSettings,
     checked,
+    of_pendant,
     settings_as_text,
 )
 from robots_planning.nodes.command_inbox import CommandInbox
@@ -216,7 +216,7 @@ class PlanningNode(RobotNode):
             self.planner.forget()
         settings = self.planner.settings
         if commander is Commander.PENDANT:
-            settings = replace(settings, **self._pendant, blend_zone=0.0, joint_blend_zone=0.0)
+            settings = of_pendant(settings, self._pendant)
         if not self.planner.command(id_, kind, target, settings):
             self.journal.warning(f'{kind.title}: command {id_} came twice, the second is ignored')
 
@@ -257,13 +257,13 @@ class PlanningNode(RobotNode):
         self._jogging.jogging.use_tool(settings.tool_pose, settings.hold)
         self.planner.configure(settings)
         self._pendant = self._pendant_settings()
-        if any(parameter.name in DESCRIPTIONS for parameter in parameters):
+        if any(parameter.name.removeprefix(PENDANT) in DESCRIPTIONS for parameter in parameters):
             self._publish_settings()
 
     def _publish_settings(self) -> None:
         # A command follows the change that it is meant for: in a recording, the settings of a command are
         # those that were published last before it.
-        texts: dict[str, Any] = dict(settings_as_text(self._settings()))
+        texts: dict[str, Any] = dict(settings_as_text(self._settings(), self._pendant))
         self._settings_publisher.publish(
             diagnostic_status('motion settings', '', hardware_id=self.robot_name, **texts)
         )

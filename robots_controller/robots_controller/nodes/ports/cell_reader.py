@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -17,12 +18,11 @@ from rclpy.parameter import parameter_value_to_python
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
-from robots_controller.control.stops.faults import Fault
 from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.nodes.ports.io_images import image_message
-from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownProgram
+from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc, ShownProgram
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.run_state import RunState
@@ -47,9 +47,8 @@ RATE: Final = 10.0  # Hz, of what is shown
 ASK_PERIOD: Final = 0.5  # s between requests to nodes that have not answered
 ANSWER_TIME: Final = 5.0  # s
 LOST_AFTER: Final = 1.0  # s
-PLANNER, PROGRAM, VIEW = 'planning_node', 'lua_program_node', 'visualizer_node'
+PLANNER, PROGRAM, VIEW, PLC = 'planning_node', 'lua_program_node', 'visualizer_node', 'plc_node'
 LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
-EMERGENCY_STOPS: Final = (Fault.EMERGENCY_STOP.label, Fault.EMERGENCY_STOP_INPUT.label)
 
 
 class StateHolder(Protocol):
@@ -75,7 +74,7 @@ class CellReader:
         self._question_clients: dict[str, Any] = {}
         self._open_questions: set[str] = set()
         self._subscribe()
-        self._watch = HeartbeatWatch(node, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
+        self._watch = HeartbeatWatch(node, (*WATCHED, PLC), LOST_AFTER, lambda *_: self._look_for_lost())
         asked = ('program', 'points_file', 'frames_file', 'breakpoints', *LABELS.values())
         self.ask(PROGRAM, asked, self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
@@ -109,6 +108,7 @@ class CellReader:
         subscribe(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
         subscribe(self._node, DiagnosticStatus, 'program_status', self._on_program)
         subscribe(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)
+        subscribe(self._node, DiagnosticStatus, 'plc_status', self._on_plc)
         for image in IMAGES:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
             subscribe(self._node, image_message(image), topic, partial(self._on_image, image))
@@ -124,7 +124,7 @@ class CellReader:
 
     def _on_stop(self, message: DiagnosticStatus) -> None:
         fault = '' if message.level == DiagnosticStatus.OK else message.message
-        self.show(fault=fault, emergency_stop=diagnostic_values(message).get('fault') in EMERGENCY_STOPS)
+        self.show(fault=fault, fault_kind=diagnostic_values(message).get('fault', '') if fault else '')
 
     def _on_program(self, message: DiagnosticStatus) -> None:
         values = diagnostic_values(message)
@@ -162,6 +162,13 @@ class CellReader:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
         self.show(io=replace(self._holder.state.io, forced=forced))
 
+    def _on_plc(self, message: DiagnosticStatus) -> None:
+        values = diagnostic_values(message)
+        error = '' if message.level == DiagnosticStatus.OK else message.message
+        start = 1e-9 * self._node.get_clock().now().nanoseconds - self._node.now()
+        pending = tuple((time - start, line, inputs) for time, line, inputs in json.loads(values['pending']))
+        self.show(plc=ShownPlc(values['script'], error, pending=pending))
+
     def _on_image(self, image: str, message: Any) -> None:
         io, values = self._holder.state.io, tuple(map(float, message.data))
         if io.values.get(image) != values:
@@ -189,7 +196,9 @@ class CellReader:
         for status in message.status:
             name = status.name.removeprefix(prefix)
             if name == PLANNER:
-                self.show(hindrance='' if status.level == DiagnosticStatus.OK else status.message)
+                good = status.level == DiagnosticStatus.OK
+                limits = tuple(filter(None, diagnostic_values(status).get('limits', '').split(', ')))
+                self.show(hindrance='' if good else status.message, limits=limits)
             elif name == VIEW:
                 self.show(scene_url=diagnostic_values(status).get('url', ''))
             if name in WATCHED and name not in self._seen:
@@ -198,7 +207,8 @@ class CellReader:
 
     def _look_for_lost(self) -> None:
         lost = {*WATCHED} - self._seen | {*self._watch.lost}
-        self.show(lost=tuple(name for name in WATCHED if name in lost))
+        plc = replace(self._holder.state.plc, lost=PLC in lost)
+        self.show(lost=tuple(name for name in WATCHED if name in lost), plc=plc)
 
     # -- what they are asked ------------------------------------------------------------------------------
 

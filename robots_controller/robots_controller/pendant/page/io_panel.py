@@ -10,6 +10,7 @@ from nicegui import ui
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.page.plc_line import PlcLine
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_controller.pendant.permissions import Action
@@ -57,12 +58,15 @@ class IoPanel:
             )
             self.line = RefusalLine()
             self._hint = ui.label().classes('hint warned')
+            self._plc = PlcLine(viewer)
             self._columns = ui.element('div').classes('columns')
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
         io = state.io
-        wanted = str(self._search.value or ''), io.labels, {key: len(one) for key, one in io.values.items()}
+        self._plc.refresh(state)
+        sizes = {key: len(one) for key, one in io.values.items()}
+        wanted = str(self._search.value or ''), io.labels, (sizes, io.forced)
         if wanted != self._built:
             self._built = wanted
             self._build(io, wanted[0])
@@ -90,11 +94,12 @@ class IoPanel:
     def _build_image(self, io: ShownIo, image: str, part: str) -> None:
         found, text = found_channels(io, image, part), self._viewer.texts
         ui.label(text(f'io.{image.partition("_")[0]}')).classes('subtitle')
-        self._rows += [self._build_row(channel) for channel in found[:MOST_ROWS]]
+        more = [channel for channel in found[MOST_ROWS:] if channel.name in io.forced]
+        self._rows += [self._build_row(channel) for channel in [*found[:MOST_ROWS], *more]]
         if not found:
             ui.label(text('io.none')).classes('hint')
-        if len(found) > MOST_ROWS:
-            ui.label(text('io.more', count=len(found) - MOST_ROWS)).classes('hint')
+        if (hidden := len(found) - MOST_ROWS - len(more)) > 0:
+            ui.label(text('io.more', count=hidden)).classes('hint')
 
     def _build_row(self, channel: Channel) -> _Row:
         text = self._viewer.texts

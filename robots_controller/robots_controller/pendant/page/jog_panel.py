@@ -17,6 +17,7 @@ from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import Texts
 from robots_core.orientation import angles_from_orientation
 from robots_core.validation import Array
+from robots_planning.guidance.jogging import NOT_FOLLOWING
 from robots_planning.guidance.teach_box import OUT_OF_REACH
 
 SPEEDS: Final = (1, 3, 10, 30, 100)  # %
@@ -25,6 +26,8 @@ DIRECTIONS: Final = ('X', 'Y', 'Z', 'RX', 'RY', 'RZ')
 STEPS: Final = (0.0, 0.1, 1.0, 10.0)
 """mm or deg; 0 jogs while a button is held."""
 TARGET: Final = 'target'
+WHOLE: Final = {OUT_OF_REACH: 'jog.out_of_reach', NOT_FOLLOWING: 'jog.not_following'}
+"""Limits that are none of an axis, with their texts."""
 NEAR_LIMIT: Final = 0.03  # part of an axis' range
 
 
@@ -148,7 +151,7 @@ class JogPanel:
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
         reason = self._viewer.reason(Action.JOG)
-        warning = reason or self._ahead() or state.hindrance
+        warning = reason or self._ahead() or self._limited(state) or state.hindrance
         self._hint.set_text(warning or self._viewer.texts('jog.step_hint' if self._step else 'jog.hint'))
         warned = bool(warning)
         self._hint.set_visibility(warned or not self._target.element.visible)
@@ -174,6 +177,12 @@ class JogPanel:
             return ''
         what = ', '.join(_limit_text(text, limit) for limit in ahead.limits)
         return text('jog.ahead', time=f'{ahead.time:.1f}', what=what) if ahead.time else what
+
+    def _limited(self, state: PendantState) -> str:
+        """What stops the jog now, whoever's it is, for a person; '' for nothing."""
+        text = self._viewer.texts
+        what = ', '.join(_limit_text(text, limit) for limit in state.limits)
+        return text('jog.limited', what=what) if what else ''
 
     def _show_failure(self) -> None:
         held = self._viewer.operator.held
@@ -205,7 +214,7 @@ class JogPanel:
 
 def _limit_text(text: Texts, limit: str) -> str:
     """What a teach box says of a limit, in the language of the page."""
-    if limit == OUT_OF_REACH:
-        return text('jog.out_of_reach')
+    if limit in WHOLE:
+        return text(WHOLE[limit])
     name, quantity, side = limit.rsplit(' ', 2)
     return text(f'jog.{side}_limit' if quantity == 'position' else 'jog.singular', name=name)

@@ -71,17 +71,18 @@ class MessagePanel:
         )
 
 
-def _cells(message: LoggedMessage) -> tuple[str, str, str, str, str]:
+def _cells(message: LoggedMessage) -> tuple[str, ...]:
     when = time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(message.time))
-    return when, NAMES[message.level], message.node, str(message.count), ' '.join(message.text.split())
+    text = ' '.join(message.text.split())
+    return when, NAMES[message.level], message.node, message.place, str(message.count), text
 
 
 def _row(message: LoggedMessage, text: Texts) -> str:
-    when, name, node, _, _ = _cells(message)
+    when, name, node, place, *_ = _cells(message)
     icon = f'<i class="material-icons" title="{escape(text(f"messages.{name}"))}">{ICONS[message.level]}</i>'
     count = f'<span class="count">×{message.count}</span>' if message.count > 1 else ''  # noqa: RUF001
     return (
         f'<div class="message {name}{" seen" if message.acknowledged else ""}">{icon}'
-        f'<div><div class="caption">{when[11:]} {escape(node)} {count}</div>'
+        f'<div><div class="caption">{when[11:]} {escape(node)} {escape(place)} {count}</div>'
         f'<div class="text">{escape(message.text)}</div></div></div>'
     )

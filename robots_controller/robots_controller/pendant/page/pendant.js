@@ -80,7 +80,19 @@ const pendant = (() => {
     document.cookie = `${name}=${value}; path=/; max-age=31536000; samesite=strict`;
   };
 
+  let scene = {id: '', url: ''};
+  const showScene = () => {
+    const dark = document.body.classList.contains('body--dark');
+    const element = document.getElementById(scene.id);
+    if (element) element.src = scene.url && dark ? `${scene.url}?darkMode` : scene.url;
+  };
+
   return {
+    // The 3D view, in the theme of the page.
+    showScene(id, url) {
+      scene = {id, url};
+      showScene();
+    },
     // Marks lines of the program: where it is, where it fails, where it is held, and what was found.
     mark({line, motion, failed, cursor, breakpoints, findings}) {
       const source = document.getElementById('source');
@@ -124,6 +136,7 @@ const pendant = (() => {
       const dark = document.body.classList.contains('body--dark');
       Quasar.Dark.set(!dark);
       remember('theme', dark ? 'light' : 'dark');
+      showScene();
     },
     setLanguage(code) {
       remember('language', code);

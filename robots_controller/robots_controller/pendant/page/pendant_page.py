@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, Final
 from fastapi import Request
 from nicegui import ui
 from nicegui.events import GenericEventArguments
+from nicegui.language import Language
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.access.origin_guard import SCENE
@@ -30,6 +32,8 @@ from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_
 from robots_core.errors import RobotsError
 
 PERIOD: Final = 0.1  # s between two refreshes
+PAGE_LANGUAGES: Final[Mapping[str, Language]] = {'en': 'en-US', 'de': 'de'}
+"""Of what the browser and NiceGUI themselves say."""
 GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
@@ -58,9 +62,11 @@ class PendantPage:
         language = (
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
         )
+        client.page.language = PAGE_LANGUAGES[language]
         self._operator = operator
         self._number = 0  # of the newest press
-        self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
+        address = request.client.host if request.client else ''
+        self._viewer = viewer = Viewer(client.id, operator, read_texts(language), address)
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
         ui.colors(primary='#00796b')
@@ -162,7 +168,8 @@ class PendantPage:
         state = self._operator.state
         if state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
-            self._scene.props(f'src="{_scene_source(state.scene_url, self._host)}"')
+            source = json.dumps(_scene_source(state.scene_url, self._host))
+            ui.run_javascript(f'pendant.showScene("{self._scene.html_id}", {source})')
             self._scene.set_visibility(bool(state.scene_url))
             self._no_scene.set_visibility(not state.scene_url)
 

@@ -107,8 +107,11 @@ class ProgramPanel:
     async def _open(self) -> None:
         viewer, name = self._viewer, self._choice.value
         path = str(self._folder / name) if name else ''
-        if path and path != viewer.operator.state.program.path:
-            await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path))
+        before = viewer.operator.state.program.path
+        if not path or path == before:
+            return
+        if not await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path)):
+            self._show_choice(before)  # so that the same one can be chosen again
 
     async def _act(self, action: Action) -> None:
         viewer = self._viewer
@@ -171,14 +174,16 @@ class ProgramPanel:
         if not program.path:
             self._source.set_content(_note(text('program.none', folder=self._folder)))
             return
-        names = self._choice.options
-        name = str(Path(program.path).relative_to(self._folder)) if self._is_listed(program.path) else ''
-        self._choice.set_value(name if name in names else None)
+        self._show_choice(program.path)
         try:
             self._source.set_content(_lines(read_program(program.path, file)))
             self._cursor = self._cursor or self._source.content.count('data-line=')
         except RobotsError:
             self._source.set_content(_note(text('program.unreadable', file=file)))
+
+    def _show_choice(self, path: str) -> None:
+        name = str(Path(path).relative_to(self._folder)) if self._is_listed(path) else ''
+        self._choice.set_value(name if name in self._choice.options else None)
 
     def _put_cursor(self, line: int) -> None:
         self._cursor = line

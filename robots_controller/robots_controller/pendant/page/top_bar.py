@@ -7,6 +7,7 @@ from typing import Final
 
 from nicegui import ui
 
+from robots_controller.pendant.channels import channel_label
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -65,6 +66,9 @@ class TopBar:
             self._reset = ActionButton(
                 viewer, Action.RESET, text('bar.reset'), 'restart_alt', partial(self._act, Action.RESET)
             )
+        with ui.element('div').classes('strip forced-strip') as self._forced_strip:
+            ui.icon('bolt')
+            self._forced = ui.label()
         self.line = RefusalLine()
 
     def _fact(self, caption: str) -> ui.label:
@@ -156,7 +160,11 @@ class TopBar:
         if operator.desk.holder == viewer.id:
             operator.give_back_control(viewer.id)
         elif not operator.desk.holder or await self._dialog:
-            await viewer.do(self.line, lambda: operator.take_control(viewer.id, from_other=True))
+
+            def take() -> None:
+                operator.take_control(viewer.id, address=viewer.address, from_other=True)
+
+            await viewer.do(self.line, take)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
@@ -177,10 +185,17 @@ class TopBar:
         self._speed.set_text(f'{1e3 * state.tool_speed:.0f} mm/s')
         self._show_override(state)
         self._show_control()
+        self._show_forced(state)
         self._strip.set_visibility(bool(state.fault))
         if state.fault:
-            self._fault.set_text(text('bar.fault', fault=state.fault))
+            self._fault.set_text(text('bar.fault', fault=text.fault(state.fault_kind, state.fault)))
             self._reset.refresh()
+
+    def _show_forced(self, state: PendantState) -> None:
+        """All forced inputs, whatever is in front."""
+        names = (channel_label(state.io, name) for name in sorted(state.io.forced))
+        self._forced_strip.set_visibility(bool(state.io.forced))
+        self._forced.set_text(self._texts('bar.forced', inputs=', '.join(names)))
 
     def _show_mode(self, state: PendantState) -> None:
         if self._mode.value != state.mode:
@@ -194,9 +209,10 @@ class TopBar:
             self._slider.value = percent
 
     def _show_control(self) -> None:
-        text, holder = self._texts, self._viewer.operator.desk.holder
+        text, desk = self._texts, self._viewer.operator.desk
+        holder = desk.holder
         own = holder == self._viewer.id
         who = 'in_control' if own else 'others' if holder else 'nobody'
-        self._control.set_text(text(f'bar.{who}'))
+        self._control.set_text(text(f'bar.{who}', address=desk.address))
         self._take.set_text(text('bar.give_back' if own else 'bar.take'))
         self._take.classes(add='own' if own else '', remove='' if own else 'own')

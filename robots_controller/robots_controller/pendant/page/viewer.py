@@ -43,11 +43,13 @@ class Viewer:
         id: Its own.
         operator: Takes what is pressed.
         texts: In its language.
+        address: Of its browser.
     """
 
     id: str
     operator: PendantOperator
     texts: Texts
+    address: str = ''
 
     async def do(self, line: RefusalLine, work: Callable[[], None]) -> bool:
         """Do what waits for an answer of the cell, and show why it was refused; True if it was not."""
@@ -66,7 +68,7 @@ class Viewer:
             self.operator.desk.check(self.id)
         except NotPermittedError as error:
             return self.texts.error(error)
-        return '' if found is None else self.texts(f'reasons.{found.key}', **found.values)
+        return '' if found is None else self.texts.reason(found)
 
 
 class ActionButton:

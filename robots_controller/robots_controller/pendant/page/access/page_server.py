@@ -12,7 +12,7 @@ from typing import Final
 import uvicorn
 from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse
-from nicegui import ui
+from nicegui import core, ui
 
 from robots_controller.pendant.page.access.origin_guard import EVERY_ADDRESS, App, OriginGuard
 from robots_controller.pendant.page.access.password_guard import PasswordGuard
@@ -25,6 +25,8 @@ from robots_core.free_port import free_port
 START_TIMEOUT: Final = 60.0  # s
 POLL: Final = 0.01  # s
 RECONNECT_TIMEOUT: Final = 30.0  # s for which the server keeps a page whose connection is lost
+CONNECTION_TIMEOUT: Final = 4.0  # s
+PING_PERIOD: Final = 1.0  # s
 Build = Callable[[Request], object]
 
 
@@ -47,6 +49,7 @@ class PageServer:
         told: Gets who has given a wrong password, in the thread of the page.
         report: Makes the page of the report of the last run.
         scene: Gives the address of the 3D view on this machine; '' for none.
+        connection_timeout: Silence of a browser after which its connection is lost, s; above `PING_PERIOD`.
 
     Raises:
         InvalidInputError: a port outside 0..65535, or an address that is none of this machine.
@@ -63,6 +66,7 @@ class PageServer:
         told: Callable[[str], object] = print,
         report: Callable[[], str] = str,
         scene: Callable[[], str] = str,
+        connection_timeout: float = CONNECTION_TIMEOUT,
     ) -> None:
         access = access or PageAccess()
         self._host, self._port = access.host, free_port(access.host, port)
@@ -86,6 +90,9 @@ class PageServer:
             if not self._thread.is_alive() or time.monotonic() > deadline:
                 raise InstallationError(f'the page cannot be served at {self.url}')
             time.sleep(POLL)
+        # NiceGUI derives both from the time for which it keeps a page: 36 s in all.
+        core.sio.eio.ping_interval = PING_PERIOD
+        core.sio.eio.ping_timeout = connection_timeout - PING_PERIOD
 
     @property
     def url(self) -> str:

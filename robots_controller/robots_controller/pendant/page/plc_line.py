@@ -1,0 +1,56 @@
+"""PlcLine: what a scripted PLC does, beside the inputs that it sets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from nicegui import ui
+
+from robots_controller.pendant.channels import channel_label
+from robots_controller.pendant.page.viewer import Viewer
+from robots_controller.pendant.pendant_state import PendantState, ShownIo
+
+MOST: Final = 3
+"""Changes that are shown."""
+
+
+class PlcLine:
+    """The file of the PLC, its state, and what it will do next; nothing where none is played.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer = viewer
+        self._label = ui.label().classes('plc number')
+        self._bad: bool | None = None
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        plc, text = state.plc, self._viewer.texts
+        self._label.set_visibility(bool(plc.script))
+        if not plc.script:
+            return
+        bad = plc.lost or bool(plc.error)
+        if plc.lost:
+            does = text('plc.lost')
+        elif plc.error:
+            does = text('plc.error', error=plc.error)
+        else:
+            does = '; '.join(self._pending(state)) or text('plc.waits')
+        self._label.set_text(f'{text("plc.name", script=plc.script)}: {does}')
+        if bad != self._bad:
+            self._bad = bad
+            self._label.classes(add='wrong' if bad else '', remove='' if bad else 'wrong')
+
+    def _pending(self, state: PendantState) -> Iterator[str]:
+        now = self._viewer.operator.now()
+        for time, line, inputs in state.plc.pending[:MOST]:
+            left, what = f'{max(0.0, time - now):.1f}', _inputs(inputs, state.io)
+            yield self._viewer.texts('plc.pending', time=left, what=what, line=line)
+
+
+def _inputs(values: Mapping[str, float], io: ShownIo) -> str:
+    return ', '.join(f'{channel_label(io, name)} = {value:g}' for name, value in values.items())
