@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Transform, Twist
 from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
@@ -21,7 +21,7 @@ from trajectory_msgs.msg import (
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import BaseRobotModel, Pose
-from robots_core.ros.messages import doubles, pose_message, pose_stamped_message
+from robots_core.ros.messages import diagnostic_status, doubles, pose_message, pose_stamped_message
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 
 SHAPES: Final = (Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.TRIANGLE_LIST, Marker.MESH_RESOURCE)
@@ -56,11 +56,12 @@ def _poses(robot: BaseRobotModel, stamp: Time) -> list[Any]:
 
 def _statuses(_: BaseRobotModel, __: Time) -> list[Any]:
     pairs = {'id': '1.000000000', 'ended': '1.0', 'progress': '0.5', 'payload': '[1, 0, 0, 0]'}
-    items = [KeyValue(key=key, value=value) for key, value in pairs.items()]
-    settings = [KeyValue(key=key, value=value) for key, value in settings_as_text(MotionSettings()).items()]
+    plc = {'script': 'press.yaml', 'pending': '[[1.0, 7, {"digital_input.1": 1.0}]]'}
     return [
-        *(DiagnosticStatus(name='motion', level=level, values=items) for level in (b'\0', b'\2')),
-        DiagnosticStatus(name='settings', values=settings),
+        diagnostic_status('motion', '', **pairs),
+        diagnostic_status('motion', '', level=DiagnosticStatus.ERROR, **pairs),
+        diagnostic_status('settings', '', **settings_as_text(MotionSettings())),
+        diagnostic_status('plc', '', **plc),
     ]
 
 

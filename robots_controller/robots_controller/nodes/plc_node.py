@@ -1,6 +1,5 @@
 """plc_node: a scripted PLC, for tests and demonstrations."""
 
-import json
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -18,6 +17,7 @@ from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.ports.io_images import InputImages, OutputImages
+from robots_controller.nodes.ports.plc_status import pending_as_text
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -126,17 +126,13 @@ class PlcNode(RobotNode):
             return
         self._published = error, pending
         start = 1e-9 * self.get_clock().now().nanoseconds - self.now()
-        told = [
-            [start + one.time, one.line, {channel.name: value for channel, value in one.settings}]
-            for one in pending
-        ]
         status = diagnostic_status(
             'plc',
             error or 'ready',
             level=DiagnosticStatus.ERROR if error else DiagnosticStatus.OK,
             hardware_id=self.robot_name,
             script=self._script_name,
-            pending=json.dumps(told),
+            pending=pending_as_text(pending, start),
         )
         self._status.publish(status)
 

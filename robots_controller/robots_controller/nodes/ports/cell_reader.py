@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,6 +21,7 @@ from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.nodes.ports.io_images import image_message
+from robots_controller.nodes.ports.plc_status import pending_from_text
 from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc, ShownProgram
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.taught_points import SUFFIX
@@ -166,8 +166,8 @@ class CellReader:
         values = diagnostic_values(message)
         error = '' if message.level == DiagnosticStatus.OK else message.message
         start = 1e-9 * self._node.get_clock().now().nanoseconds - self._node.now()
-        pending = tuple((time - start, line, inputs) for time, line, inputs in json.loads(values['pending']))
-        self.show(plc=ShownPlc(values['script'], error, pending=pending))
+        pending = pending_from_text(values.get('pending', '[]'), start)
+        self.show(plc=ShownPlc(values.get('script', ''), error, pending=pending))
 
     def _on_image(self, image: str, message: Any) -> None:
         io, values = self._holder.state.io, tuple(map(float, message.data))
