@@ -94,9 +94,14 @@ class SimulatedBag:
         """Write a measured wrench (6,), N and N m, with the samples."""
         self._wrenches.append((nanoseconds, wrench))
 
+    @property
+    def room(self) -> int:
+        """How many more samples may wait."""
+        return MOST_WAITING - 1 - (self._recording.count - self._written)
+
     def write_samples_in_time(self) -> None:
         """Write the samples if many wait."""
-        if self._recording.count - self._written >= MOST_WAITING:
+        if self.room < 0:
             self.write_samples()
 
     def write_samples(self) -> None:

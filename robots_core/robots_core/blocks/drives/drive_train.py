@@ -138,15 +138,23 @@ class SecondOrderDrive(DriveTrain):
         self.position, self.velocity = finite_vector(position, n, 'q'), np.zeros(n)
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
-        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
+        transition = _transition(w, _per_axis(damping, n, 'damping'), period)
+        self._transition = list(zip(*transition.reshape(4, n).tolist(), strict=True))
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
         del q_dot_ref
         q_ref = finite_vector(q_ref, self.position.size, 'q_ref')
-        state = np.array([self.position - q_ref, self.velocity])
-        self.position, self.velocity = np.einsum('ijn,jn->in', self._transition, state)
-        self.position += q_ref
+        # On a few axes numpy's own operations take several times longer.
+        axes = zip(
+            self._transition, self.position.tolist(), self.velocity.tolist(), q_ref.tolist(), strict=True
+        )
+        position, velocity = [], []
+        for (a, b, c, d), q, q_dot, target in axes:
+            error = q - target
+            position.append(0.0 + a * error + b * q_dot + target)
+            velocity.append(0.0 + c * error + d * q_dot)
+        self.position, self.velocity = np.array(position), np.array(velocity)
         return self.position, self.velocity
 
     def rest(self) -> None:
