@@ -304,7 +304,7 @@ class Controller:
         if state is not ControllerState.FOLLOWING or motion is None or motion.failure is not None:
             return Span.standing(reference, 0)
         span = self._following.ahead(motion, self.speed.of_motion(motion, now), periods)
-        return span.first(self._guard.passing(span.references))
+        return span.first(self._guard.passing(span.references)) if len(span) else span
 
     def look(self, now: float, feedback: Array | None, reference: Array) -> bool:
         """Look at the feedback of a period of a span; False if the next `step`, of this period, acts on it.

@@ -66,11 +66,12 @@ class PathFollowing:
 
     def ahead(self, motion: FollowedMotion, speed: float, periods: int) -> Span:
         """What `step` will return in the next periods, at most so many, while the speed stays even."""
+        if motion.cap is not None or motion.held is not None or not self._speed.even(speed):
+            return Span.standing(self._sample, 0)
         path_times = self._speed.ahead(motion.path_time, periods)
         progress = path_times / motion.trajectory.duration
         periods = min(int(path_times.searchsorted(motion.join_time)), int(progress.searchsorted(1.0)))
-        free = motion.cap is None and motion.held is None
-        if periods == 0 or not (free and self._speed.even(speed)):
+        if periods == 0:
             return Span.standing(self._sample, 0)
         samples = motion.samples(path_times[:periods])
         speed = self._speed.end_speed

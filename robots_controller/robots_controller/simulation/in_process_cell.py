@@ -276,31 +276,38 @@ class InProcessCell:
         # A switch on the path is due in the period in which its place is reached.
         return span.first(int(span.progress.searchsorted(self._host.switching.next_progress)))
 
-    def follow(self, span: Span, move: Callable[[Array], Array]) -> int:
+    def follow(self, span: Span, move: Callable[[slice], Array]) -> int:
         """Let the periods of a span pass; `measure` follows.
 
         Args:
             span: See `ahead`.
-            move: Lets the drives follow a reference, (3, n); returns their positions (n,), rad (m).
+            move: Lets the drives follow these periods of it; returns their positions (n,), rad (m).
 
         Returns:
             How many have passed: it ends early if the controller has to act on the feedback.
         """
-        looks, writes = self.rates.feedback_every(self.controller), self.rates.progress_every
-        reference, position = self.controller.reference, self._position
-        assert reference is not None
-        passed, moves = 0, not self.holding
-        for following in span.references:
-            cycle = self.cycle + 1
-            self.clock.nanoseconds = cycle * self._period_ns
-            measured = position if cycle % looks == 0 else None
-            if not self.controller.look(self.clock.now(), measured, reference):
-                break
-            self.cycle = cycle
-            reference, position = following, move(following)
-            if moves and cycle % writes == 0:
-                self.log.progress(float(span.progress[passed]))
-            passed += 1
+        controller, looks = self.controller, self.rates.feedback_every(self.controller)
+        writes = math.inf if self.holding else self.rates.progress_every
+        references, position = [controller.reference, *span.references], self._position
+        well, passed = True, 0
+        while well and passed < len(span):
+            begin = passed  # the drives move until the controller looks at their feedback again
+            while passed < len(span):
+                cycle = self.cycle + 1
+                due = cycle % looks == 0
+                if due and passed > begin:
+                    break
+                self.clock.nanoseconds = cycle * self._period_ns
+                reference = references[passed]
+                assert reference is not None
+                well = controller.look(self.clock.now(), position if due else None, reference)
+                if not well:
+                    break
+                if cycle % writes == 0:
+                    self.log.progress(float(span.progress[passed]))
+                self.cycle, passed = cycle, passed + 1
+            if passed > begin:
+                position = move(slice(begin, passed))
         self.clock.nanoseconds = self.cycle * self._period_ns
         if passed:
             self.control.follow_span(span.first(passed), self.clock.now())

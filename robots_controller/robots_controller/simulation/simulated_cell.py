@@ -176,15 +176,10 @@ class SimulatedCell:
             nanoseconds, references, states = recording.room(len(span))
             nanoseconds[:] = self._period_ns * np.arange(cell.cycle + 1, cell.cycle + 1 + len(span))
             references[:] = span.references
-            rows = iter(states)
 
-            def move(reference: Array) -> Array:
-                q, q_dot = drives.step(reference[0], reference[1])
-                row = next(rows)
-                row[0], row[1] = q, q_dot
-                if len(row) > 2:
-                    row[2] = drives.torque
-                return q
+            def move(part: slice) -> Array:
+                drives.follow(span.references[part], states[part])
+                return drives.position
 
             cell.cost.switch('drives')
             passed = cell.follow(span, move)

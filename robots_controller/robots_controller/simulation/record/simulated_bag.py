@@ -152,9 +152,8 @@ class SimulatedBag:
             self.problem = error
 
     def _tcp_poses(self, positions: Array) -> list[Array]:
-        poses = [self._robot.direct_kinematics(q) for q in positions]
-        quaternions = Rotation.from_matrix(np.array([T for _, T in poses])).as_quat(canonical=True)
-        return [np.hstack([np.array([r for r, _ in poses]), quaternions])]
+        r, T = self._robot.tool_poses(positions)
+        return [np.hstack([r, Rotation.from_matrix(T).as_quat(canonical=True)])]
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:

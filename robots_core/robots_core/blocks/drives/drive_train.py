@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,6 +50,18 @@ class DriveTrain(ABC):
         Raises:
             InvalidInputError: a reference of another shape or not finite.
         """
+
+    def follow(self, references: Array, states: Array) -> None:
+        """Follow finite references for several periods, as `step` does one after the other.
+
+        Args:
+            references: (k, 3, n): position, velocity, acceleration at the ends of the periods; not empty.
+            states: Filled with positions, velocities and, where they are known, torques, (k, 2 or 3, n).
+        """
+        for reference, state in zip(references, states, strict=True):
+            state[0], state[1] = self.step(reference[0], reference[1])
+            if len(state) > 2:
+                state[2] = self.torque
 
     @abstractmethod
     def rest(self) -> None:
@@ -138,28 +152,49 @@ class SecondOrderDrive(DriveTrain):
         self.position, self.velocity = finite_vector(position, n, 'q'), np.zeros(n)
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
-        transition = _transition(w, _per_axis(damping, n, 'damping'), period)
-        self._transition = list(zip(*transition.reshape(4, n).tolist(), strict=True))
+        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
         del q_dot_ref
         q_ref = finite_vector(q_ref, self.position.size, 'q_ref')
-        # On a few axes numpy's own operations take several times longer.
-        axes = zip(
-            self._transition, self.position.tolist(), self.velocity.tolist(), q_ref.tolist(), strict=True
-        )
-        position, velocity = [], []
-        for (a, b, c, d), q, q_dot, target in axes:
-            error = q - target
-            position.append(0.0 + a * error + b * q_dot + target)
-            velocity.append(0.0 + c * error + d * q_dot)
-        self.position, self.velocity = np.array(position), np.array(velocity)
+        self._take(q_ref.reshape(1, 1, -1), np.empty((1, 2, q_ref.size)), advance)
         return self.position, self.velocity
+
+    def follow(self, references: Array, states: Array) -> None:
+        """See `DriveTrain.follow`."""
+        # Imported on demand: a single step needs no compiler.
+        kernel = import_module('robots_core.blocks.drives.second_order_kernel')
+        self._take(references, states, kernel.advance_compiled)
+
+    def _take(self, references: Array, states: Array, steps: Callable[..., None]) -> None:
+        steps(self._transition, np.array([self.position, self.velocity]), references, states)
+        self.position, self.velocity = states[-1].copy()
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
         self.velocity = np.zeros_like(self.position)
+
+
+def advance(transition: Array, start: Array, references: Array, states: Array) -> None:
+    """Fill positions and velocities after each period, (k, 2, n); also compiled.
+
+    Args:
+        transition: (2, 2, n).
+        start: Positions and velocities before, (2, n).
+        references: (k, 1 or 3, n), positions first.
+        states: Filled.
+    """
+    before = start
+    for i in range(len(references)):
+        for axis in range(start.shape[1]):
+            target = references[i, 0, axis]
+            error, q_dot = before[0, axis] - target, before[1, axis]
+            to_q, to_q_dot = transition[0, :, axis], transition[1, :, axis]
+            # From 0, so that standing axes have velocities of +0.
+            states[i, 0, axis] = 0.0 + to_q[0] * error + to_q[1] * q_dot + target
+            states[i, 1, axis] = 0.0 + to_q_dot[0] * error + to_q_dot[1] * q_dot
+        before = states[i]
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:
