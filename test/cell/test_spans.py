@@ -19,7 +19,7 @@ from short_programs import PROGRAMS, SHORTEST, short_copy
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
-# Of a robot that others guide, that touches something or floats most periods are stepped through.
+# Of a robot that others guide, that touches something or floats, all periods are stepped through.
 GUIDED = ['debris_removal.lua', 'motion_simulator.lua', 'wheel_laboratory.lua']
 CASES = [(name, drive) for name in NAMES if name not in GUIDED for drive in DRIVE_LEVELS]
 CASES += [(name, 'second_order') for name in (*GUIDED, *LANGUAGE)]

@@ -270,7 +270,7 @@ class InProcessCell:
         if self._guard is not None:
             looks = self._look_every - 1 - self.cycle % self._look_every
             periods = 0 if self._guard.endangered else min(periods, looks)
-        if self.contact is not None or self._host.reporter.due or self._host.motions.timed:
+        if self.guide_player.started or self._host.reporter.due or self._host.motions.timed:
             periods = 0
         span = self.control.ahead(self.clock.now(), periods)
         # A switch on the path is due in the period in which its place is reached.

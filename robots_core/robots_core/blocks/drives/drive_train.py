@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -152,49 +151,29 @@ class SecondOrderDrive(DriveTrain):
         self.position, self.velocity = finite_vector(position, n, 'q'), np.zeros(n)
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
-        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
+        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period).reshape(4, n)
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
         del q_dot_ref
         q_ref = finite_vector(q_ref, self.position.size, 'q_ref')
-        self._take(q_ref.reshape(1, 1, -1), np.empty((1, 2, q_ref.size)), advance)
+        a, b, c, d = self._transition
+        error, q_dot = self.position - q_ref, self.velocity
+        # From 0, so that standing axes have velocities of +0.
+        self.position = 0.0 + a * error + b * q_dot + q_ref
+        self.velocity = 0.0 + c * error + d * q_dot
         return self.position, self.velocity
 
     def follow(self, references: Array, states: Array) -> None:
         """See `DriveTrain.follow`."""
         # Imported on demand: a single step needs no compiler.
         kernel = import_module('robots_core.blocks.drives.second_order_kernel')
-        self._take(references, states, kernel.advance_compiled)
-
-    def _take(self, references: Array, states: Array, steps: Callable[..., None]) -> None:
-        steps(self._transition, np.array([self.position, self.velocity]), references, states)
+        kernel.follow(self._transition, self.position.copy(), self.velocity.copy(), references, states)
         self.position, self.velocity = states[-1].copy()
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
         self.velocity = np.zeros_like(self.position)
-
-
-def advance(transition: Array, start: Array, references: Array, states: Array) -> None:
-    """Fill positions and velocities after each period, (k, 2, n); also compiled.
-
-    Args:
-        transition: (2, 2, n).
-        start: Positions and velocities before, (2, n).
-        references: (k, 1 or 3, n), positions first.
-        states: Filled.
-    """
-    before = start
-    for i in range(len(references)):
-        for axis in range(start.shape[1]):
-            target = references[i, 0, axis]
-            error, q_dot = before[0, axis] - target, before[1, axis]
-            to_q, to_q_dot = transition[0, :, axis], transition[1, :, axis]
-            # From 0, so that standing axes have velocities of +0.
-            states[i, 0, axis] = 0.0 + to_q[0] * error + to_q[1] * q_dot + target
-            states[i, 1, axis] = 0.0 + to_q_dot[0] * error + to_q_dot[1] * q_dot
-        before = states[i]
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:
