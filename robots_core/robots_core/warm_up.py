@@ -54,6 +54,7 @@ def kinematics_and_dynamics() -> None:
     robot = robot_in_use()
     home = robot.home
     SerialChain.of(robot).forward(home)
+    robot.tool_poses(home[None])
     robot.rigid_dynamics(home, home, home)
     FunctionDynamics(robot).accelerations(home, home, home)
     NumericalDynamics(robot).accelerations(home, home, home)
@@ -86,11 +87,12 @@ def following_and_collision_checks() -> None:
     collision.closest_approach(path)
 
 
-def rigid_body_drives_and_zones() -> None:
-    """Drives of the highest level, and passages through zones."""
+def drives_and_zones() -> None:
+    """Drives of the higher levels, and passages through zones."""
     from robots_core.blocks import RigidBodyDrive  # noqa: PLC0415
     from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
     from robots_core.blocks.collision.scene import Scene  # noqa: PLC0415
+    from robots_core.blocks.drives.drive_train import SecondOrderDrive  # noqa: PLC0415
     from robots_core.blocks.zones.zone import PlacedBox, Zone  # noqa: PLC0415
     from robots_core.blocks.zones.zone_detection import ZoneDetection  # noqa: PLC0415
     from robots_core.robot_model.shapes import Box  # noqa: PLC0415
@@ -98,6 +100,7 @@ def rigid_body_drives_and_zones() -> None:
     robot = robot_in_use()
     home = robot.home
     RigidBodyDrive(robot, home, period=PERIOD)
+    SecondOrderDrive(home, period=PERIOD).follow(np.array([[home] * 3]), np.empty((1, 2, home.size)))
     path = JointPath.straight(home, home + STEP)
     region = PlacedBox(Box((0.1, 0.1, 0.1)), Pose(np.full(3, 9.0), np.eye(3)))
     zones = (Zone('in', region, 'in', 'tool'), Zone('out', region, 'out', 'tool'))

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.compiled import compiled
-from robots_core.validation import FLOAT64, Array, read_only
-from robots_planning.timing.quintic import quintic_coefficients
+from robots_core.validation import FLOAT64, Array
+from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +67,16 @@ class Trajectory:
     @cached_property
     def coefficients(self) -> Array:
         """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
+        coefficients = self.quintics.view()
+        coefficients.flags.writeable = False
+        return coefficients
+
+    @cached_property
+    def quintics(self) -> Array:
+        """The coefficients for compiled code, which would be compiled once more for what is read-only."""
         coefficients = np.empty((len(self.time) - 1, 6, self.num_axes))
         quintic_coefficients(self.time, self.position, self.velocity, self.acceleration, coefficients)
-        return read_only(coefficients)
+        return coefficients
 
     @staticmethod
     def message_times(time: Array) -> Array:
@@ -100,20 +107,20 @@ class Trajectory:
             Three arrays (..., n).
         """
         times = np.asarray(t, dtype=np.float64)
-        x, c = self._place(times)
+        q, q_dot, q_ddot = self._states(times)
         outside = ((times < 0.0) | (times > self.duration))[..., None]
-        q_dot, q_ddot = _velocity(x, c), _acceleration(x, c)
-        return _position(x, c), np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)
+        return q, np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)
 
     def sample_position(self, t: Array) -> Array:
         """The positions of `sample` alone, (..., n)."""
-        return _position(*self._place(t))
+        return self._states(t)[0]
 
-    def _place(self, t: Array) -> tuple[Array, Array]:
-        """Time since the start of the interval that holds t, (..., 1), and its coefficients, (6, ..., n)."""
-        clipped = np.clip(t, 0.0, self.duration)
-        index = np.clip(np.searchsorted(self.time, clipped, side='right') - 1, 0, len(self.time) - 2)
-        return (clipped - self.time[index])[..., None], np.moveaxis(self.coefficients[index], -2, 0)
+    def _states(self, t: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration; before the start and after the end, those there."""
+        states = [np.empty((t.size, self.num_axes)) for _ in range(3)]
+        quintics_at(self.time, self.quintics, np.array(t.ravel()), *states)
+        q, q_dot, q_ddot = (values.reshape(*t.shape, self.num_axes) for values in states)
+        return q, q_dot, q_ddot
 
     def acceleration_extremes(self) -> tuple[Array, Array, Array]:
         """Where acceleration or jerk can be largest: ends and inner extremes of every interval, exactly.
@@ -135,21 +142,6 @@ class Trajectory:
         times = self.time[:-1, None] + x
         n = self.num_axes
         return times.reshape(-1, n), acceleration.reshape(-1, n), jerk.reshape(-1, n)
-
-
-def _position(x: Array, c: Array) -> Array:
-    q: Array = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
-    return q
-
-
-def _velocity(x: Array, c: Array) -> Array:
-    q_dot: Array = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])))
-    return q_dot
-
-
-def _acceleration(x: Array, c: Array) -> Array:
-    q_ddot: Array = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))
-    return q_ddot
 
 
 def one_after_another(trajectories: Sequence[Trajectory]) -> Trajectory:

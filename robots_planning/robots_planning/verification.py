@@ -329,9 +329,7 @@ def _deviation(
     # Interpolation errors are largest in the middle between points.
     middles = 0.5 * (trajectory.time[:-1] + trajectory.time[1:])
     t = np.union1d(np.linspace(0.0, trajectory.duration, 101), middles)
-    frames = [robot.direct_kinematics(q) for q in trajectory.sample(t)[0]]
-    r = np.array([frame[0] for frame in frames])
-    T = np.array([frame[1] for frame in frames])
+    r, T = robot.tool_poses(trajectory.sample_position(t))
     if tool is not None:
         r, T = r + T @ tool.r, T @ tool.T
     if not oriented:

@@ -14,7 +14,7 @@ from robots_core.warm_up import (
     CELL_JOBS,
     STEP,
     compile_in_parallel,
-    rigid_body_drives_and_zones,
+    drives_and_zones,
     robot_in_use,
 )
 from robots_planning.free_paths.free_path_search import FreePathSearch
@@ -97,5 +97,5 @@ if __name__ == '__main__':
     shared, *others = CELL_JOBS
     jobs = [shared, lines_at_limited_speed, *others, joint_motions, joint_motions_around_obstacles]
     if not parser.parse_args().cell:
-        jobs += [paths_that_hold_a_position, paths_at_the_limits_of_the_axes, rigid_body_drives_and_zones]
+        jobs += [paths_that_hold_a_position, paths_at_the_limits_of_the_axes, drives_and_zones]
     compile_in_parallel(jobs)

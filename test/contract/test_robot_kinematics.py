@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, Pose
-from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.errors import InvalidInputError, NoAnalyticInverseKinematicsError
 from robots_core.orientation import rotation_vector
 
 from .reference import DIFFERENCE_TOLERANCE, DescribedRobot, derivative, twist
@@ -23,6 +23,19 @@ def test_pose_is_a_position_and_a_rotation(robot: BaseRobotModel, postures: np.n
         assert T.shape == (3, 3)
         np.testing.assert_allclose(T @ T.T, np.eye(3), atol=EXACT)
         assert np.linalg.det(T) > 0.0
+
+
+def test_poses_at_many_joint_positions_are_those_at_each(robot: BaseRobotModel, postures: np.ndarray):
+    for some in (postures, postures[:0], np.asfortranarray(postures)):
+        r, T = robot.tool_poses(some)
+        assert r.shape == (len(some), 3)
+        assert T.shape == (len(some), 3, 3)
+        for q, mine in zip(some, zip(r, T, strict=True), strict=True):
+            for part, its in zip(mine, robot.direct_kinematics(q), strict=True):
+                np.testing.assert_array_equal(part, its)
+    for wrong in (np.full_like(postures, np.nan), postures[:, 1:]):
+        with pytest.raises(InvalidInputError):
+            robot.tool_poses(wrong)
 
 
 def test_pose_and_frames_are_those_of_the_description(robot: BaseRobotModel, postures: np.ndarray):

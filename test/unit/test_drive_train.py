@@ -49,6 +49,26 @@ def test_levels_are_what_their_names_say():
     )
 
 
+@pytest.mark.parametrize('level', DRIVE_LEVELS)
+def test_drives_follow_many_references_as_one_after_the_other(level: str):
+    stepped, following = (drive_train(level, ROBOT, ROBOT.home, period=0.004) for _ in range(2))
+    references = np.zeros((50, 3, 7))
+    references[:, 0] = ROBOT.home + np.linspace(0.0, 0.02, 50)[:, None] * np.array(
+        [1, -1, 0.5, 0, 2, -0.1, 1]
+    )
+    references[:, 1] = np.diff(references[:, 0], axis=0, prepend=references[:1, 0]) / 0.004
+    states = np.zeros((50, 3 if level == 'rigid_body' else 2, 7))
+    for part in (slice(0, 1), slice(1, 50)):
+        following.follow(references[part], states[part])
+    for reference, state in zip(references, states, strict=True):
+        q, q_dot = stepped.step(reference[0], reference[1])
+        assert state[0].tobytes() == q.tobytes()
+        assert state[1].tobytes() == q_dot.tobytes()
+        assert stepped.torque is None or state[2].tobytes() == stepped.torque.tobytes()
+    assert following.position.tobytes() == stepped.position.tobytes()
+    assert following.velocity.tobytes() == stepped.velocity.tobytes()
+
+
 def test_bad_input_is_named():
     with pytest.raises(
         InvalidInputError, match="'perfect' is unknown; valid are ideal, second_order and rigid_body"

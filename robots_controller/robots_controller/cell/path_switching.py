@@ -70,6 +70,14 @@ class PathSwitching:
         with self._lock:
             return any(plan.switches.next_progress is not None for plan in self._planned.values())
 
+    @property
+    def next_progress(self) -> float:
+        """Progress of the motion under way at which the next switch is due, 0..1; infinite for none."""
+        with self._lock:
+            running = next(iter(self._planned.values()), None)
+            at = None if running is None else running.switches.next_progress
+            return math.inf if at is None else at
+
     def sent(self, id_: str, command: MotionCommand) -> None:
         """A motion was sent to the planner."""
         with self._lock:

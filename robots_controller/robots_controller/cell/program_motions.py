@@ -82,6 +82,12 @@ class ProgramMotions:
         with self._lock:
             return bool(self._sent or self._unsent) and not self._stopping
 
+    @property
+    def timed(self) -> bool:
+        """`watch` may act by itself."""
+        with self._lock:
+            return self._stopping or bool(self._blocked) or bool(self._unsent and not self._full)
+
     def flush(self) -> None:
         """No motion follows for now: a planner need not wait for the next one to blend into."""
         with self._lock:

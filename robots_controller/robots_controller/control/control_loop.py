@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.span import Span
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
@@ -241,6 +242,16 @@ class ControlLoop:
         self._report_progress()
         self.cycle += 1
         self.feedback_due = self._rates.feedback_due(self.cycle, controller)
+
+    def ahead(self, now: float, periods: int) -> Span:
+        """See `Controller.ahead`; none if something waits for the next cycle."""
+        return self.controller.ahead(now, 0 if self._mailbox else periods)
+
+    def follow_span(self, span: Span, now: float) -> None:
+        """The periods of a span have passed, the last one at `now`, s."""
+        self.controller.pass_over(span)
+        self._now, self._reported = now, self.controller.progress
+        self.pass_over(len(span))
 
     def pass_over(self, cycles: int) -> None:
         """Leave out cycles of a robot that stands."""

@@ -14,11 +14,12 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_following import PathFollowing
+from robots_controller.control.span import Span
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.speed.speed_control import SpeedControl, refuse_closed
 from robots_controller.control.stops.brake import Brake
 from robots_controller.control.stops.faults import Fault, StopCategory
-from robots_controller.control.stops.feedback_watch import FeedbackWatch
+from robots_controller.control.stops.feedback_watch import FeedbackWatch, Finding
 from robots_controller.control.stops.limit_guard import LimitGuard
 from robots_controller.control.stops.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
@@ -85,6 +86,7 @@ class Controller:
         self._brake: Brake | None = None
         self._blocked = BlockedMotion(self.speed.authority)
         self._feedback = FeedbackWatch(axes, self.settings, processor_share)
+        self._found: Finding | None = None  # in the period that is to come
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
 
@@ -263,7 +265,7 @@ class Controller:
         Returns:
             (3, n): position, velocity, acceleration; None before the first feedback.
         """
-        finding = self._feedback.look(now, feedback, self.reference)
+        finding, self._found = self._found or self._feedback.look(now, feedback, self.reference), None
         if self.reference is None:
             if feedback is not None:
                 self._stand_at(feedback)
@@ -281,6 +283,46 @@ class Controller:
         if self.stops.latched and self.standing:
             self._stay_stopped(feedback)
         return self.reference
+
+    def ahead(self, now: float, periods: int) -> Span:
+        """What `step` will return as long as nothing is called and `look` finds nothing.
+
+        Args:
+            now: Time, s.
+            periods: At most so many.
+
+        Returns:
+            The periods until something else happens; none of a robot that brakes, settles, follows a stream
+            or may be held by zones, and of a motion whose speed changes.
+        """
+        motion, state, reference = self._motion, self.state, self.reference
+        assert reference is not None
+        if periods <= 0 or self.speed.zones is not None or self.stops.latched:
+            return Span.standing(reference, 0)
+        if state is ControllerState.HOLDING:
+            return Span.standing(reference, periods)
+        if state is not ControllerState.FOLLOWING or motion is None or motion.failure is not None:
+            return Span.standing(reference, 0)
+        span = self._following.ahead(motion, self.speed.of_motion(motion, now), periods)
+        return span.first(self._guard.passing(span.references)) if len(span) else span
+
+    def look(self, now: float, feedback: Array | None, reference: Array) -> bool:
+        """Look at the feedback of a period of a span; False if the next `step`, of this period, acts on it.
+
+        Args:
+            now: Time, s.
+            feedback: As for `step`.
+            reference: Of the period before, (3, n).
+        """
+        self._found = self._feedback.look(now, feedback, reference)
+        return self._found is None
+
+    def pass_over(self, span: Span) -> None:
+        """The periods of a span have passed."""
+        self.reference = span.references[-1].copy()
+        if self._motion is not None:
+            self._following.pass_over(self._motion, span)
+            self._guard.pass_over(span.references)
 
     def _look_at_zones(self, zones: ZoneGuard, now: float) -> None:
         assert self.reference is not None

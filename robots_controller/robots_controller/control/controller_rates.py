@@ -37,12 +37,15 @@ class ControllerRates:
 
     def feedback_due(self, cycle: int, controller: Controller) -> bool:
         """The controller looks at the feedback in this cycle."""
-        if cycle % self._settling_every != 0:  # most cycles are done with here
-            return False
+        # Most cycles are done with at the first condition.
+        return cycle % self._settling_every == 0 and cycle % self.feedback_every(controller) == 0
+
+    def feedback_every(self, controller: Controller) -> int:
+        """The controller looks at the feedback each so many cycles, as long as its state stays."""
         state = controller.state
         if state is ControllerState.SETTLING:
-            return True
-        return cycle % (self.holding_every if state is ControllerState.HOLDING else self._feedback_every) == 0
+            return self._settling_every
+        return self.holding_every if state is ControllerState.HOLDING else self._feedback_every
 
 
 def cycles(rate: float, times: float) -> int:

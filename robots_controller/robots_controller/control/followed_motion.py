@@ -141,6 +141,19 @@ class FollowedMotion:
         )
         return np.asarray(basis @ c)
 
+    def samples(self, s: Array) -> Array:
+        """The same at path times `s` (k,) on this motion, (k, 3, n), to the last bit."""
+        trajectory = self.trajectory
+        segments = np.searchsorted(trajectory.time[1:-1], s, side='right')
+        x = s - trajectory.time[segments]
+        # Powers of numpy and of Python differ in their last bits.
+        x2, (x3, x4) = x * x, np.array([(one**3, one**4) for one in x.tolist()]).reshape(-1, 2).T
+        basis = np.zeros((s.size, 3, 6))
+        basis[:, 0] = np.stack([np.ones_like(x), x, x2, x3, x4, x4 * x], axis=1)
+        basis[:, 1, 1:] = np.stack([np.ones_like(x), 2.0 * x, 3.0 * x2, 4.0 * x3, 5.0 * x4], axis=1)
+        basis[:, 2, 2:] = np.stack([np.full_like(x, 2.0), 6.0 * x, 12.0 * x2, 20.0 * x3], axis=1)
+        return np.asarray(basis @ trajectory.coefficients[segments])
+
     def _locate(self, s: float) -> tuple[Array, float]:
         """Polynomial of the interval that holds `s` and the time since its start."""
         s = min(max(s, 0.0), self._times[-1])

@@ -34,6 +34,25 @@ class Interpolator:
         self._samples[:] = 0.0
         self._samples[:, : position.size] = position
 
+    def ahead(self, samples: Array) -> Array:
+        """What `push` returns for each of these samples, (k, 3, n) both, to the last bit."""
+        rows = samples.reshape(len(samples), -1)
+        rows = np.concatenate([np.roll(self._samples, -self._next, axis=0), rows])
+        # In the order in which the samples are kept, the weighted sum has the same bits.
+        places = np.arange(self.window) - self._next - 1
+        first = np.arange(len(samples))[:, None]
+        kept = rows[first + 1 + (places - first) % self.window]
+        base = kept[:, 0]
+        return np.asarray(base + self._weights @ (kept - base[:, None])).reshape(samples.shape)
+
+    def pass_over(self, samples: Array) -> None:
+        """Take samples (k, 3, n) whose means are known already."""
+        self._next = (self._next + len(samples)) % self.window
+        newest = samples[-self.window :]
+        self._samples[(self._next - np.arange(len(newest), 0, -1)) % self.window] = newest.reshape(
+            len(newest), -1
+        )
+
     def push(self, sample: Array) -> Array:
         """Take a sample and return the smoothed one.
 

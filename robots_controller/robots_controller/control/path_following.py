@@ -5,6 +5,7 @@ import numpy as np
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.interpolator import Interpolator
+from robots_controller.control.span import Span
 from robots_controller.control.speed.path_speed import PathSpeed
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
@@ -62,6 +63,29 @@ class PathFollowing:
         moved = self._advance(motion, self._capped(motion, speed))
         self._unchanged = 0 if moved else self._unchanged + 1
         return self._average.push(self._sample)
+
+    def ahead(self, motion: FollowedMotion, speed: float, periods: int) -> Span:
+        """What `step` will return in the next periods, at most so many, while the speed stays even."""
+        if motion.cap is not None or motion.held is not None or not self._speed.even(speed):
+            return Span.standing(self._sample, 0)
+        path_times = self._speed.ahead(motion.path_time, periods)
+        progress = path_times / motion.trajectory.duration
+        periods = min(int(path_times.searchsorted(motion.join_time)), int(progress.searchsorted(1.0)))
+        if periods == 0:
+            return Span.standing(self._sample, 0)
+        samples = motion.samples(path_times[:periods])
+        speed = self._speed.end_speed
+        samples[:, 1] *= speed
+        samples[:, 2] *= speed**2
+        return Span(self._average.ahead(samples), progress[:periods], path_times[:periods], samples)
+
+    def pass_over(self, motion: FollowedMotion, span: Span) -> None:
+        """Periods of a span of this motion have passed."""
+        motion.path_time = float(span.path_times[-1])
+        self._speed.keep()
+        self._average.pass_over(span.samples)
+        self._sample = span.samples[-1].copy()
+        self._unchanged = 0
 
     def _capped(self, motion: FollowedMotion, speed: float) -> float:
         cap = motion.held or motion.cap

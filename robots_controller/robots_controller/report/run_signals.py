@@ -57,7 +57,7 @@ class RunSignals:
         needed = _needed(run)
         torque = needed if run.effort is None else run.effort
         offset = _offset(run)
-        (r, T), (r_ref, T_ref) = _frames(robot, q), _frames(robot, q_ref)
+        (r, T), (r_ref, T_ref) = robot.tool_poses(q), robot.tool_poses(q_ref)
         lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
         middle, half = axes.middle_and_half
         rate, change = _steps(run)
@@ -122,12 +122,6 @@ def _offset(run: RecordedRun) -> Array:
     moved = [motion for motion in run.motions if motion.moved]
     tools = np.array([np.zeros(3), *(motion.settings.tool_pose.r for motion in moved)])
     return np.asarray(tools[np.searchsorted([motion.start for motion in moved], run.time, side='right')])
-
-
-def _frames(robot: BaseRobotModel, q: Array) -> tuple[Array, Array]:
-    """Position and orientation of tool0, (m, 3) m and (m, 3, 3)."""
-    poses = [robot.direct_kinematics(row) for row in q]
-    return np.array([r for r, _ in poses]), np.array([T for _, T in poses])
 
 
 def _speed(robot: BaseRobotModel, q: Array, q_dot: Array, lever: Array) -> Array:

@@ -18,7 +18,6 @@ from robots_controller.commands.cell_setup import show_substitutions, take_from_
 from robots_controller.commands.command_table import SIMULATE
 from robots_controller.commands.json_output import print_json
 from robots_controller.program_check.first_check import check_first, sizes_of
-from robots_controller.report.page.page import report_page, write_page
 from robots_controller.report.report_json import report_data
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_verdict
@@ -149,6 +148,9 @@ def _show(result: SimulationRun, options: argparse.Namespace, console: Console) 
     source = '' if options.bag is not None else f'simulated with {options.drive} drives'
     report = run_report(result.bag, robot=options.robot, scene=options.scene or None, source=source)
     if options.report is not None:
+        # On demand: the page draws the robot, which takes libraries that a run without one does not need.
+        from robots_controller.report.page.page import report_page, write_page  # noqa: PLC0415
+
         write_page(options.report, report_page(report))
     if result.interrupted:
         console.print('[bold red]interrupted[/]: this is the beginning only')

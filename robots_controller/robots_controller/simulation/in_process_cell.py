@@ -8,6 +8,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.control.span import Span
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.io_image import Channel, image_sizes
@@ -253,6 +254,65 @@ class InProcessCell:
         self.cycle = last
         self.clock.nanoseconds = last * self._period_ns
         return count
+
+    def ahead(self, until: float, periods: int) -> Span:
+        """The next periods in which the controller continues as before, and nothing else happens.
+
+        Args:
+            until: Time of the next event outside of this cell, s since the start; infinite for none.
+            periods: At most so many.
+        """
+        event = min(until * NANOSECONDS, self.wait - START)
+        if event < math.inf:
+            periods = min(periods, int(event) // self._period_ns - 1 - self.cycle)
+        elif self.holding:  # nothing may ever happen
+            periods = 0
+        if self._guard is not None:
+            looks = self._look_every - 1 - self.cycle % self._look_every
+            periods = 0 if self._guard.endangered else min(periods, looks)
+        if self.guide_player.started or self._host.reporter.due or self._host.motions.timed:
+            periods = 0
+        span = self.control.ahead(self.clock.now(), periods)
+        # A switch on the path is due in the period in which its place is reached.
+        return span.first(int(span.progress.searchsorted(self._host.switching.next_progress)))
+
+    def follow(self, span: Span, move: Callable[[slice], Array]) -> int:
+        """Let the periods of a span pass; `measure` follows.
+
+        Args:
+            span: See `ahead`.
+            move: Lets the drives follow these periods of it; returns their positions (n,), rad (m).
+
+        Returns:
+            How many have passed: it ends early if the controller has to act on the feedback.
+        """
+        controller, looks = self.controller, self.rates.feedback_every(self.controller)
+        writes = math.inf if self.holding else self.rates.progress_every
+        references, position = [controller.reference, *span.references], self._position
+        well, passed = True, 0
+        while well and passed < len(span):
+            begin = passed  # the drives move until the controller looks at their feedback again
+            while passed < len(span):
+                cycle = self.cycle + 1
+                due = cycle % looks == 0
+                if due and passed > begin:
+                    break
+                self.clock.nanoseconds = cycle * self._period_ns
+                reference = references[passed]
+                assert reference is not None
+                well = controller.look(self.clock.now(), position if due else None, reference)
+                if not well:
+                    break
+                if cycle % writes == 0:
+                    self.log.progress(float(span.progress[passed]))
+                self.cycle, passed = cycle, passed + 1
+            if passed > begin:
+                position = move(slice(begin, passed))
+        self.clock.nanoseconds = self.cycle * self._period_ns
+        if passed:
+            self.control.follow_span(span.first(passed), self.clock.now())
+            self._progress = self.controller.progress
+        return passed
 
     def close(self) -> None:
         """End the program, if it still runs."""

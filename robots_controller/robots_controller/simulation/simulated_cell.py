@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -24,6 +25,10 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import ProgramError
+from robots_core.validation import Array
+
+LONGEST_SPAN: Final = 500  # periods; bounds the memory, and the time until an interruption
+LEAST_AHEAD: Final = 2  # periods; a single one is stepped through in less time
 
 
 class SimulatedCell:
@@ -39,6 +44,7 @@ class SimulatedCell:
         longest: Longest simulated time, s.
         patience: Longest time of this machine from now on, s; looked at between periods and motions.
         on_progress: Called now and then: time in s, line of the program. For a progress bar.
+        longest_span: So many periods may pass at once; 0 steps through each. The run is the same.
 
     Raises:
         RobotsError: the bag's folder exists, or an unknown level.
@@ -53,8 +59,10 @@ class SimulatedCell:
         longest: float,
         patience: float = math.inf,
         on_progress: Callable[[float, int], None] | None = None,
+        longest_span: int = LONGEST_SPAN,
     ) -> None:
         self._patience, self._begun = patience, time.monotonic()
+        self._longest_span = longest_span
         self._parts, self._drive, self._longest, self._on_progress = parts, drive, longest, on_progress
         robot, period = parts.robot, parts.period
         self._period_ns = round(period * NANOSECONDS)
@@ -125,6 +133,7 @@ class SimulatedCell:
             if self._interrupted or self._over or (not cell.running and self._at_rest):
                 return
             if not self._pass_over():
+                self._follow_span()
                 self._step()
                 self._guard_against_deadlocks()
 
@@ -148,6 +157,37 @@ class SimulatedCell:
         if self._bag is not None:
             self._bag.write_samples_in_time()
         return True
+
+    def _follow_span(self) -> None:
+        """Let periods pass at once in which the controller continues as before, and nothing else happens."""
+        cell, drives, recording = self._cell, self._drives, self._recording
+        left = int(self._longest * NANOSECONDS) // self._period_ns - 1 - cell.cycle
+        periods = min(self._longest_span, left)
+        if self._on_progress is not None:
+            periods = min(periods, cell.rates.progress_every - 1 - cell.cycle % cell.rates.progress_every)
+        if self._bag is not None:
+            periods = min(periods, self._bag.room)
+        if self._bodies is not None or periods < LEAST_AHEAD:
+            return
+        before = cell.cost.switch('controller')
+        span = cell.ahead(self._next_event - START / NANOSECONDS, periods)
+        if len(span) >= LEAST_AHEAD:
+            span = span.first(self._supervised.ahead(span.references))
+            nanoseconds, references, states = recording.room(len(span))
+            nanoseconds[:] = self._period_ns * np.arange(cell.cycle + 1, cell.cycle + 1 + len(span))
+            references[:] = span.references
+
+            def move(part: slice) -> Array:
+                drives.follow(span.references[part], states[part])
+                return drives.position
+
+            cell.cost.switch('drives')
+            passed = cell.follow(span, move)
+            if passed:
+                recording.count += passed
+                self._supervised.pass_over(cell.clock.now(), span.references[passed - 1].copy())
+                self._measure()
+        cell.cost.switch(before)
 
     @property
     def _next_event(self) -> float:

@@ -108,6 +108,11 @@ class SimulatedGuide:
             return 0.0
         return self._source.next_time / NANOSECONDS
 
+    @property
+    def started(self) -> bool:
+        """Messages come, or may come, in each period."""
+        return self._source is not None and self._source.start is not None
+
     def carry(self, payload: Sequence[float]) -> None:
         """Take the payload of the settings, by its numbers (see `payload_of`)."""
         if self._source is not None:

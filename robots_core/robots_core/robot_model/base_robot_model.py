@@ -2,6 +2,8 @@
 
 from abc import ABC, abstractmethod
 
+import numpy as np
+
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
@@ -106,6 +108,20 @@ class BaseRobotModel(ABC):
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
+
+    def tool_poses(self, q: Array) -> tuple[Array, Array]:
+        """`direct_kinematics` at many joint positions.
+
+        Args:
+            q: Joint positions, (m, n), rad (m).
+
+        Returns:
+            Positions, (m, 3), m, and orientations, (m, 3, 3).
+        """
+        r, T = np.empty((len(q), 3)), np.empty((len(q), 3, 3))
+        for row, position in enumerate(q):
+            r[row], T[row] = self.direct_kinematics(position)
+        return r, T
 
     @abstractmethod
     def jacobian(self, q: Array) -> Array:

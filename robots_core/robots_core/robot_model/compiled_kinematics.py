@@ -26,3 +26,12 @@ def tool_pose(chain: ChainArrays, q: Array, r: Array, T: Array) -> bool:
     for row in range(3):
         T[row, 0], T[row, 1], T[row, 2] = R[row]
     return total - total == 0.0
+
+
+@compiled()
+def tool_poses(chain: ChainArrays, q: Array, r: Array, T: Array) -> bool:
+    """Fill positions r (m, 3) and orientations T (m, 3, 3) at q (m, n); False as `tool_pose`."""
+    finite = True
+    for row in range(q.shape[0]):
+        finite = tool_pose(chain, q[row], r[row], T[row]) and finite
+    return finite

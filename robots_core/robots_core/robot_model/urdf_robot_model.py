@@ -230,6 +230,15 @@ class UrdfRobotModel(BaseRobotModel):
         self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
         return r, T
 
+    def tool_poses(self, q: Array) -> tuple[Array, Array]:
+        """See `BaseRobotModel.tool_poses`."""
+        self.direct_kinematics(np.zeros(self._n))  # its code and the chain are loaded on first use
+        r, T = empty((len(q), 3)), empty((len(q), 3, 3))
+        poses = import_module('robots_core.robot_model.compiled_kinematics').tool_poses
+        if poses(self._links, np.array(q, dtype=np.float64, order='C'), r, T):
+            return r, T
+        return super().tool_poses(q)  # which names what is not finite
+
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
         # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and

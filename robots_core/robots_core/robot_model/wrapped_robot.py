@@ -33,6 +33,7 @@ class WrappedRobot(BaseRobotModel):
     home = _as_the_robot_has('home')
     orientation_convention = _as_the_robot_has('orientation_convention')
     direct_kinematics = _as_the_robot_has('direct_kinematics')
+    tool_poses = _as_the_robot_has('tool_poses')
     jacobian = _as_the_robot_has('jacobian')
     jacobian_der = _as_the_robot_has('jacobian_der')
     rigid_dynamics = _as_the_robot_has('rigid_dynamics')

@@ -10,6 +10,8 @@ from robots_core.validation import Array, positive
 BISECTIONS = 10
 # Second differences of float64 positions over one period are exact to about 1e-9 of a limit.
 ROUNDING = 1e-8
+# Of the planned speed; slower, and late on a long path, the path time of a period may be lost in rounding.
+SLOWEST = 1e-4
 
 
 class TimedPath(Protocol):
@@ -65,6 +67,20 @@ class PathSpeed:
     def reset(self, speed: float) -> None:
         """Set the speed at once; allowed only where the path stands."""
         self._advance = self._end = speed * self._period
+        self._gain = 0.0
+
+    def even(self, target: float) -> bool:
+        """The speed is `target` and stays so, and the path time passes."""
+        return target * self._period == self._end == self._advance >= SLOWEST * self._period
+
+    def ahead(self, path_time: float, periods: int) -> Array:
+        """Path times after each of the next periods at an even speed, (periods,) s, as `step` gives them."""
+        times = np.full(periods + 1, self._advance)
+        times[0] = path_time
+        return np.asarray(np.add.accumulate(times)[1:])
+
+    def keep(self) -> None:
+        """Periods at an even speed have passed."""
         self._gain = 0.0
 
     def step(self, target: float, path_time: float, path: TimedPath) -> float:

@@ -60,6 +60,20 @@ class LimitGuard:
         self._last_velocity = velocity
         return None
 
+    def passing(self, references: Array) -> int:
+        """How many of the next references, (k, 3, n), pass `check` one after the other."""
+        velocity = np.diff(references[:, 0], axis=0, prepend=self._last_position[None]) / self._period
+        acceleration = np.diff(velocity, axis=0, prepend=self._last_velocity[None]) / self._period
+        values = np.concatenate([*np.moveaxis(references, 1, 0), velocity, acceleration], axis=1)
+        inside = ((values <= self._high) & (values >= self._low)).all(axis=1)
+        return len(references) if inside.all() else int(np.argmin(inside))
+
+    def pass_over(self, references: Array) -> None:
+        """Take references (k, 3, n) of which it is known that they pass."""
+        before = references[-2, 0] if len(references) > 1 else self._last_position
+        self._last_position = references[-1, 0].copy()
+        self._last_velocity = (self._last_position - before) / self._period
+
     def _describe(self, index: int) -> str:
         n = self._axes.num_axes
         axis = index % n

@@ -57,16 +57,20 @@ class Recording:
             state[2] = torque
         self.count = k + 1
 
+    def room(self, count: int) -> tuple[NDArray[np.int64], Array, Array]:
+        """Where the next `count` samples are put: times, references and states, see the attributes."""
+        if self.count + count > self.nanoseconds.size:
+            self._grow(count)
+        part = slice(self.count, self.count + count)
+        return self.nanoseconds[part], self.reference[part], self.state[part]
+
     def repeat(self, count: int, period: int) -> None:
         """Add copies of the last sample, `period` (ns) apart."""
-        k = self.count
-        if k + count > self.nanoseconds.size:
-            self._grow(count)
-        last = k - 1
-        self.nanoseconds[k : k + count] = self.nanoseconds[last] + period * np.arange(1, count + 1)
-        self.reference[k : k + count] = self.reference[last]
-        self.state[k : k + count] = self.state[last]
-        self.count = k + count
+        nanoseconds, reference, state = self.room(count)
+        last = self.count - 1
+        nanoseconds[:] = self.nanoseconds[last] + period * np.arange(1, count + 1)
+        reference[:], state[:] = self.reference[last], self.state[last]
+        self.count += count
 
     def standing(self, samples: int) -> bool:
         """The reference has not changed in the last samples."""

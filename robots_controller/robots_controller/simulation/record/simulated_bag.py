@@ -94,9 +94,14 @@ class SimulatedBag:
         """Write a measured wrench (6,), N and N m, with the samples."""
         self._wrenches.append((nanoseconds, wrench))
 
+    @property
+    def room(self) -> int:
+        """How many more samples may wait."""
+        return MOST_WAITING - 1 - (self._recording.count - self._written)
+
     def write_samples_in_time(self) -> None:
         """Write the samples if many wait."""
-        if self._recording.count - self._written >= MOST_WAITING:
+        if self.room < 0:
             self.write_samples()
 
     def write_samples(self) -> None:
@@ -147,9 +152,8 @@ class SimulatedBag:
             self.problem = error
 
     def _tcp_poses(self, positions: Array) -> list[Array]:
-        poses = [self._robot.direct_kinematics(q) for q in positions]
-        quaternions = Rotation.from_matrix(np.array([T for _, T in poses])).as_quat(canonical=True)
-        return [np.hstack([np.array([r for r, _ in poses]), quaternions])]
+        r, T = self._robot.tool_poses(positions)
+        return [np.hstack([r, Rotation.from_matrix(T).as_quat(canonical=True)])]
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:

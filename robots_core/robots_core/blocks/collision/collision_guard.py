@@ -89,6 +89,11 @@ class CollisionGuard:
         """The robot was to be stopped, and the reason still exists."""
         return self._guided_into or any(motion.stopped for motion in self.motions.values())
 
+    @property
+    def endangered(self) -> bool:
+        """A place on a path is too close to something."""
+        return any(motion.danger is not None for motion in self.motions.values())
+
     def set_scene(self, scene: Scene) -> None:
         """Replace the scene, and check what is left of all paths.
 

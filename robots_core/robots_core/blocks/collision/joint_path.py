@@ -65,19 +65,18 @@ class JointPath:
     def _make_curve(self) -> None:
         curve = _control_points(self.time, self.position, self.velocity, self.acceleration)
         # Every piece is cut into short ones with their own control points.
-        pieces = np.ceil(np.diff(self.time) / LONGEST_PIECE - 1e-9).astype(int)
-        time = np.concatenate(
-            [
-                np.linspace(a, b, count, endpoint=False)
-                for a, b, count in zip(self.time[:-1], self.time[1:], np.maximum(pieces, 1), strict=True)
-            ]
-            + [self.time[-1:]]
-        )
-        states = _states(curve, self.time, time)
-        for order, given in enumerate((self.position, self.velocity, self.acceleration)):
-            # Where the acceleration jumps at a point, the given value is used.
-            states[order][np.searchsorted(time, self.time)] = given
-        points = _control_points(time, *states)
+        pieces = np.maximum(np.ceil(np.diff(self.time) / LONGEST_PIECE - 1e-9).astype(int), 1)
+        time, points = self.time, curve
+        if (pieces > 1).any():
+            steps = np.repeat(np.diff(self.time) / pieces, pieces)
+            first = np.append(0, np.cumsum(pieces))
+            number = np.arange(first[-1]) - np.repeat(first[:-1], pieces)
+            time = np.append(number * steps + np.repeat(self.time[:-1], pieces), self.time[-1])
+            states = _states(curve, self.time, time)
+            for order, given in enumerate((self.position, self.velocity, self.acceleration)):
+                # Where the acceleration jumps at a point, the given value is used.
+                states[order][first] = given
+            points = _control_points(time, *states)
         # Bernstein polynomials and their derivatives lie in the convex hull of their control points.
         steps = np.abs(np.diff(points, axis=0)).max(axis=0) * 5.0
         travel = np.concatenate([np.zeros((1, points.shape[2])), np.cumsum(steps, axis=0)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,6 +49,18 @@ class DriveTrain(ABC):
         Raises:
             InvalidInputError: a reference of another shape or not finite.
         """
+
+    def follow(self, references: Array, states: Array) -> None:
+        """Follow finite references for several periods, as `step` does one after the other.
+
+        Args:
+            references: (k, 3, n): position, velocity, acceleration at the ends of the periods; not empty.
+            states: Filled with positions, velocities and, where they are known, torques, (k, 2 or 3, n).
+        """
+        for reference, state in zip(references, states, strict=True):
+            state[0], state[1] = self.step(reference[0], reference[1])
+            if len(state) > 2:
+                state[2] = self.torque
 
     @abstractmethod
     def rest(self) -> None:
@@ -138,16 +151,25 @@ class SecondOrderDrive(DriveTrain):
         self.position, self.velocity = finite_vector(position, n, 'q'), np.zeros(n)
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
-        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
+        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period).reshape(4, n)
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
         del q_dot_ref
         q_ref = finite_vector(q_ref, self.position.size, 'q_ref')
-        state = np.array([self.position - q_ref, self.velocity])
-        self.position, self.velocity = np.einsum('ijn,jn->in', self._transition, state)
-        self.position += q_ref
+        a, b, c, d = self._transition
+        error, q_dot = self.position - q_ref, self.velocity
+        # From 0, so that standing axes have velocities of +0.
+        self.position = 0.0 + a * error + b * q_dot + q_ref
+        self.velocity = 0.0 + c * error + d * q_dot
         return self.position, self.velocity
+
+    def follow(self, references: Array, states: Array) -> None:
+        """See `DriveTrain.follow`."""
+        # Imported on demand: a single step needs no compiler.
+        kernel = import_module('robots_core.blocks.drives.second_order_kernel')
+        kernel.follow(self._transition, self.position.copy(), self.velocity.copy(), references, states)
+        self.position, self.velocity = states[-1].copy()
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""

@@ -133,6 +133,27 @@ class SupervisedDrives:
             return self.drives.position, self.drives.velocity
         return position, velocity
 
+    def ahead(self, references: Array) -> int:
+        """How many of the next references are followed as they come.
+
+        Args:
+            references: (k, 3, n): position, velocity, acceleration; one in each period.
+        """
+        if self.state is not DriveState.FOLLOWING or not self._on or not len(references):
+            return 0
+        change = np.abs(np.diff(references[:, 0], axis=0, prepend=self._last[None]))
+        inside = (change <= self._step) & (np.abs(references[:, 1]) <= self._fastest)
+        followed = inside.all(axis=1)
+        return len(references) if followed.all() else int(np.argmin(followed))
+
+    def pass_over(self, now: float, reference: Array) -> None:
+        """The drives have followed references as `ahead` says, the last one, (3, n), at `now`, s."""
+        self._watchdog.look(now, alive=True)
+        self._silent, self.problem = 0, ''
+        self._last_stamp = self._last_time = now
+        self._last = self._target = self._q = reference[0]
+        self._target_dot = self._q_dot = reference[1]
+
     # -- which references ------------------------------------------------------------------------------
 
     def _accepts(self, now: float, q: Array, q_dot: Array, stamp: float) -> bool:
