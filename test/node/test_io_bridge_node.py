@@ -166,7 +166,7 @@ def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_
     bench.wait(lambda: watched._silence is not None, 'its heartbeat')
     heartbeat.stop()
     bench.wait(lambda: words[-1] == 0, 'fail-safe values')
-    Heartbeat(node)
+    heartbeat = Heartbeat(node)
     bench.wait(lambda: not bridge._watch.lost, 'its heartbeat again')
     image[:] = [1, 1, 1]
     bench.wait(lambda: words[-1], 'an output that was off')
@@ -178,6 +178,7 @@ def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_
     bench.wait(lambda: 'digital_output.1' not in bridge.bridge.left, 'the output switched off')
     image[:] = [1, 1, 1]
     bench.wait(lambda: words[-1] == 0b011, 'what the node has switched off and on')
+    heartbeat.stop()
 
 
 def test_a_bridge_that_ends_leaves_fail_safe_values(bridge: Any):

@@ -167,11 +167,11 @@ class NodeProcesses:
 
     def take_dead(self) -> tuple[NodeProcess, ...]:
         """Processes that have ended by themselves, once each."""
-        dead = tuple(process for process in self._processes.values() if not process.running)
+        dead = [process for process in self._processes.values() if not process.running]
         for process in dead:
             self._former |= {(node, process.pid) for node in process.nodes}
             del self._processes[process.name]
-        return dead
+        return tuple(dead)
 
     def stop(self) -> None:
         """End all processes, those last that write what the others leave behind."""
