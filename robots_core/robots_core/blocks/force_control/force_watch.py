@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-
-import numpy as np
 
 from robots_core.blocks.force_control.force_control import ForceControlSettings
 from robots_core.periodic.watchdog import Watchdog
@@ -52,7 +51,7 @@ class ForceWatch:
             return 'no force was measured yet' if controlled else ''
         if controlled and self._watchdog.lost:
             return f'no force was measured for {settings.timeout:g} s'
-        size = float(np.linalg.norm(self.force))
+        size = math.hypot(*self.force)  # of any finite force, without overflow
         touched, self._touching = self._touching, size >= settings.contact_force
         if size > settings.force_limit:
             return f'the force on the tool is {size:.1f} N; allowed are {settings.force_limit:g} N'
