@@ -331,6 +331,24 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
     assert certificate.work[0] < SLICE + deepest_edge
 
 
+def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyPatch):
+    """So that neither the budget nor a cancellation takes longer there."""
+    certificate, margins = divided_room().certificate(SIDES[0], margin=MARGIN)
+
+    def looked_at(pairs: int) -> tuple[int, int]:
+        monkeypatch.setattr(free_path_search, 'PAIRS', pairs)
+        asked: list[None] = []
+        search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=0.2)
+        with pytest.raises(NoFreePathError):
+            search.way(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
+        return int(certificate.work[0]), len(asked)
+
+    few, asked = looked_at(margins.size)
+    many, asked_many = looked_at(margins.size // 4)
+    assert many < 0.5 * few
+    assert asked == pytest.approx(asked_many, abs=2)
+
+
 def test_two_thousand_bodies_are_a_scene():
     rng = np.random.default_rng(3)
     grid = [
