@@ -156,13 +156,15 @@ def test_jerk_limits_are_kept_on_request():
     assert (jerk <= robot().axes_data.jerk).all()
 
 
-def test_a_pose_is_reached_in_another_posture_where_the_nearest_collides():
-    arm = load_robot_model('ur5e')
-    start = arm.home + np.array([0.0, 0.6, 0.0, 0.0, 0.0, 0.0])
-    pose = Pose(*arm.direct_kinematics(start + np.array([1.2, 0.0, 0.0, 0.0, 0.0, 0.0])))
+@pytest.mark.parametrize(('name', 'axis', 'lean'), [('ur5e', 2, 0.6), ('franka_fr3', 3, -0.3)])
+def test_a_pose_is_reached_in_another_posture_where_the_nearest_collides(name: str, axis: int, lean: float):
+    arm = load_robot_model(name)
+    first, second = np.eye(arm.num_axes)[:2]
+    start = arm.home + lean * second
+    pose = Pose(*arm.direct_kinematics(start + 1.2 * first))
     nearest = CollisionFreeJoint(arm).goal(start, pose)
     # A ball at the elbow of the nearest posture; others have theirs elsewhere.
-    elbow = arm.kinematic_model.frame_axes(nearest)[0][2]
+    elbow = arm.kinematic_model.frame_axes(nearest)[0][axis]
     ball = item('ball', Sphere(0.03), *elbow)
     collision = CollisionDetection(arm, scene=Scene((ball,)))
     assert collision.in_contact(nearest)
