@@ -1,7 +1,8 @@
 """The few vertices of a convex part that may be farthest in a direction.
 
 Directions are sorted into cells on the faces of a cube. Within a cell a vertex is never the farthest if
-another one is farther in the directions of all four corners: the directions between are their sums.
+another one is farther in the directions of all four corners: the directions between are their sums. The cell
+of a direction is `cell_of` of `nearest_points`.
 """
 
 from typing import Final
@@ -9,7 +10,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 Indices = NDArray[np.int64]
@@ -18,23 +18,6 @@ EDGE: Final = 4  # cells along an edge of the cube
 CELLS: Final = 6 * EDGE * EDGE
 MANY: Final = 24  # vertices; fewer are all looked at as fast
 ROUNDING: Final = 1e-9  # of the largest coordinate, by which a vertex must be farther
-
-
-@compiled(counted=False)
-def cell_of(x: float, y: float, z: float) -> int:
-    """The cell of a direction."""
-    a, b, c = abs(x), abs(y), abs(z)
-    if a >= b and a >= c:
-        face, largest, u, v = 0 if x >= 0.0 else 1, a, y, z
-    elif b >= c:
-        face, largest, u, v = 2 if y >= 0.0 else 3, b, z, x
-    else:
-        face, largest, u, v = 4 if z >= 0.0 else 5, c, x, y
-    if largest == 0.0:
-        return 0
-    row = min(int(0.5 * EDGE * (1.0 + u / largest)), EDGE - 1)
-    column = min(int(0.5 * EDGE * (1.0 + v / largest)), EDGE - 1)
-    return (face * EDGE + row) * EDGE + column
 
 
 def _corners() -> Array:

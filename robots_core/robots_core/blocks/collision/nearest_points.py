@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from robots_core.blocks.collision.farthest_vertices import Indices, cell_of
+from robots_core.blocks.collision.farthest_vertices import EDGE, Indices
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     Vector,
@@ -41,6 +41,23 @@ A part is the hull of its vertices, or, where `disc` is above 0, a cylinder alon
 GAP = 1e-8  # m
 MAX_STEPS = 100
 SINGULAR = 1e-13  # of the product of the edges; a simplex this flat is skipped in favour of its faces
+
+
+@compiled(counted=False)
+def cell_of(x: float, y: float, z: float) -> int:
+    """The cell of a direction, see `farthest_vertices`."""
+    a, b, c = abs(x), abs(y), abs(z)
+    if a >= b and a >= c:
+        face, largest, u, v = 0 if x >= 0.0 else 1, a, y, z
+    elif b >= c:
+        face, largest, u, v = 2 if y >= 0.0 else 3, b, z, x
+    else:
+        face, largest, u, v = 4 if z >= 0.0 else 5, c, x, y
+    if largest == 0.0:
+        return 0
+    row = max(min(int(0.5 * EDGE * (1.0 + u / largest)), EDGE - 1), 0)
+    column = max(min(int(0.5 * EDGE * (1.0 + v / largest)), EDGE - 1), 0)
+    return (face * EDGE + row) * EDGE + column
 
 
 @compiled(counted=False)
