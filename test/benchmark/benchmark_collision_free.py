@@ -9,11 +9,13 @@ Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems 
 - OMPL certified: the same with our certificate as the validator of motions.
 - roboplan: RRT-Connect with its own shortcuts, checks of postures at the same steps as OMPL's.
 - OMPL best (`--optimise SECONDS`): BIT* with the certificate, for as long, to compare durations with.
+- OMPL PRM (`--prepare SECONDS`): a roadmap of certified edges, prepared for as long for each cell before the
+  clock starts: what a cell that stays could gain.
 
 All paths are timed alike, those of peers where their corners can be rounded freely. Peers have 2 s: OMPL of
 the processor, roboplan of the clock. Paths that collide, those of peers before they are rounded, are found by
 coal, posture by posture, at steps that move no point by more than `--dense` metres; our planner has no part
-in that.
+in that. `deaf ms` is the longest time in which our planner does not look for a cancellation.
 """
 
 from __future__ import annotations
@@ -52,11 +54,15 @@ LONGEST_REACH = 1.3  # of a tool's tip, of the reach of the arm
 
 @dataclass
 class Outcome:
-    """What became of a problem: seconds of the CPU, and a path: postures (k, n) on it, and its timing."""
+    """What became of a problem: seconds of the CPU, and a path: postures (k, n) on it, and its timing.
+
+    `deaf` is the longest time without a look for a cancellation, s.
+    """
 
     seconds: float
     postures: np.ndarray | None = None
     trajectory: Trajectory | None = None
+    deaf: float = 0.0
 
 
 def timing(robot: BaseRobotModel) -> TimeOptimalTiming:
@@ -65,15 +71,18 @@ def timing(robot: BaseRobotModel) -> TimeOptimalTiming:
 
 
 def ours(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem) -> Outcome:
-    planner = CollisionFreeJoint(robot, collision=detection, margin=MARGIN, budget=BUDGET)
+    planner = CollisionFreeJoint(robot, budget=BUDGET)
+    looks: list[float] = []
+    planner.surround(detection, MARGIN, lambda: bool(looks.append(time.process_time())))
     begin = time.process_time()
     try:
         path = planner.joint_path(problem.start, problem.target)
     except PlanningError:
         return Outcome(time.process_time() - begin)
-    seconds = time.process_time() - begin
+    end = time.process_time()
+    deaf = float(np.diff([begin, *looks, end]).max())
     postures = path.evaluate(np.linspace(0.0, 1.0, SAMPLES))[0]
-    return Outcome(seconds, postures, timing(robot).trajectory(path))
+    return Outcome(end - begin, postures, timing(robot).trajectory(path), deaf)
 
 
 class CertifiedMotions(ob.MotionValidator):  # type: ignore[misc]
@@ -94,6 +103,7 @@ def with_ompl(
     *,
     certified: bool,
     optimise: float = 0.0,
+    prepare: float = 0.0,
 ) -> Outcome:
     n = robot.num_axes
     certificate, margins = detection.certificate(problem.start, margin=MARGIN)
@@ -113,7 +123,7 @@ def with_ompl(
     setup = og.SimpleSetup(space)
     setup.setStateValidityChecker(lambda state: certificate.posture(posture(state), margins) == FREE)
     information = setup.getSpaceInformation()
-    if certified or optimise:
+    if certified:
         information.setMotionValidator(
             CertifiedMotions(
                 information, lambda a, b: certificate.line(posture(a), posture(b), margins) == FREE
@@ -124,10 +134,18 @@ def with_ompl(
         for k in range(n):
             state[k] = float(q[k])
     setup.setStartAndGoalStates(*states)
-    setup.setPlanner(og.BITstar(information) if optimise else og.RRTConnect(information))
+    kind = og.BITstar if optimise else og.PRM if prepare else og.RRTConnect
+    planner = kind(information)
+    setup.setPlanner(planner)
+    if prepare:
+        setup.setup()
+        planner.growRoadmap(prepare)
     begin = time.process_time()
     longest = optimise or BUDGET
-    over = ob.PlannerTerminationCondition(lambda: time.process_time() - begin > longest)
+    if prepare:  # a second thread of PRM asks, which must not wait for this one
+        over = ob.timedPlannerTerminationCondition(longest)
+    else:
+        over = ob.PlannerTerminationCondition(lambda: time.process_time() - begin > longest)
     solved = setup.solve(over)
     if not solved or not setup.haveExactSolutionPath():
         return Outcome(time.process_time() - begin)
@@ -171,7 +189,7 @@ def collides(robot: BaseRobotModel, problem: Problem, postures: np.ndarray, dens
     return False
 
 
-def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
+def planners_of(options: argparse.Namespace) -> dict[str, Callable[..., Outcome]]:
     planners: dict[str, Callable[..., Outcome]] = {
         'ours': ours,
         'OMPL': lambda *given: with_ompl(*given, certified=False),
@@ -180,6 +198,13 @@ def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
     }
     if options.optimise:
         planners['OMPL best'] = lambda *given: with_ompl(*given, certified=True, optimise=options.optimise)
+    if options.prepare:
+        planners['OMPL PRM'] = lambda *given: with_ompl(*given, certified=True, prepare=options.prepare)
+    return planners
+
+
+def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
+    planners = planners_of(options)
     for name in options.robots:
         robot = load_robot_model(name)
         for family in options.families:
@@ -218,6 +243,7 @@ def figures(outcomes: list[Outcome], colliding: int, ours: list[Outcome]) -> tup
         f'{np.mean(durations):.2f}' if durations else '-',
         f'{np.mean(ratios):.2f}' if ratios else '-',
         f'{colliding}',
+        f'{1e3 * max(outcome.deaf for outcome in outcomes):.1f}' if outcomes is ours else '-',
     )
 
 
@@ -227,6 +253,7 @@ def main() -> None:
     parser.add_argument('--peers', type=int, default=20, help='so many of these go to the peers too')
     parser.add_argument('--dense', type=float, default=1e-4, help='step of the check with coal, m')
     parser.add_argument('--optimise', type=float, default=0.0, help='s that BIT* gets for each problem')
+    parser.add_argument('--prepare', type=float, default=0.0, help='s that PRM gets for each cell before')
     parser.add_argument('--robots', nargs='+', default=list(REACH))
     parser.add_argument('--families', nargs='+', default=list(FAMILIES), choices=list(FAMILIES))
     options = parser.parse_args()
@@ -246,6 +273,7 @@ def main() -> None:
         'duration s',
         'ours of it',
         'colliding',
+        'deaf ms',
     )
     for row in rows(options):
         table.add_row(*row)

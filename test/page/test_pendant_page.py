@@ -16,10 +16,16 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from robots_controller.interpreter.debugger import CallStack, Frame, Variable
+from robots_controller.pendant.jog.pendant_motion import MotionPreview
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
+from robots_core import Pose
+from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.operating_modes import OperatingMode
+from robots_core.robot_model.shapes import Capsule
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.pathplanning import PathPlanning
 
 from .browser_page import DEADLINE, FORWARDS, SOCKET, browser, open_page, press, take_control, wait
 from .made_up_cell import (
@@ -140,6 +146,32 @@ def test_a_target_is_shown_with_its_time_before_the_robot_moves_there(
     wait(page, lambda: ('end_move',) in cell.calls, 'a stop')
     panel.get_by_role('button', name='Axes').click()
     assert operator.held.failure is None
+
+
+def test_the_way_around_an_obstacle_is_shown_before_the_robot_moves(
+    page: Page, cell: MadeUpCell, operator: PendantOperator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot, state = operator.robot, operator.state
+    start, goal = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-30.0, 30.0)])
+    post = SceneObject('post', Capsule(0.05, 1.6), Pose(np.array([1.7, 0.0, 1.0]), np.eye(3)))
+    planning = PathPlanning(robot, collision=CollisionDetection(robot, scene=Scene((post,))))
+    monkeypatch.setattr(operator, '_planner', lambda: MotionPreview(planning))
+    operator.state = replace(state, q=start, settings=MotionSettings(avoid=True))
+    show(page, 'Jog')
+    panel = page.locator('.jog-panel')
+    panel.get_by_role('button', name='Target').click()
+    for name, value in zip(robot.axes_data.names, np.degrees(goal), strict=True):
+        panel.get_by_label(name, exact=True).fill(f'{value:.3f}')
+    panel.get_by_role('button', name='Show').click()
+    found = re.compile(r'It leads around obstacles, .* Smallest distance: \d+\.\d mm between \S+ and post\.')
+    panel.get_by_text(found).wait_for()
+
+    def places() -> set[float]:
+        return {round(call[1][0], 6) for call in cell.calls if call[0] == 'ghost' and call[1] is not None}
+
+    wait(page, lambda: len(places()) > 3, 'the ghost on its way')
+    panel.get_by_role('button', name='Axes').click()
+    operator.state = state
 
 
 def test_what_will_stop_a_jog_is_announced(

@@ -48,6 +48,20 @@ def test_the_option_holds_for_one_motion_and_the_setting_for_those_that_follow(t
     assert 'the motion collides' in refused.error.reason
 
 
+def test_a_pose_is_reached_around_an_obstacle_too(tmp_path: Path, scene: Path):
+    pose = 'local p = forwardKinematics(75, -70, 90, 0, 70, 0)\n'
+    refused = run_text(tmp_path, THERE + pose + 'ptpJointSpacePosition(p)\n', scene=scene)
+    assert refused.error is not None
+    assert 'the motion collides' in refused.error.reason
+    run = run_text(tmp_path, THERE + pose + 'ptpJointSpacePosition(p, {avoid = true})\n', scene=scene)
+    assert run.error is None
+    robot = load_robot_model(ROBOT)
+    reached, wanted = (
+        Pose(*robot.direct_kinematics(q)) for q in (run.position[-1], np.radians([75, -70, 90, 0, 70, 0]))
+    )
+    assert max(reached.distance_to(wanted)) < 1e-6
+
+
 def test_blended_motions_run_through_where_the_corner_is_free(tmp_path: Path, scene: Path):
     around = AROUND.replace('avoid = true', 'avoid = true, jointBlend = 3')
     run = run_text(tmp_path, THERE + around + 'ptpJointSpaceAngles(80, -75, 90, 0, 70, 0)\n', scene=scene)

@@ -156,13 +156,15 @@ def test_jerk_limits_are_kept_on_request():
     assert (jerk <= robot().axes_data.jerk).all()
 
 
-def test_a_pose_is_reached_in_another_posture_where_the_nearest_collides():
-    arm = load_robot_model('ur5e')
-    start = arm.home + np.array([0.0, 0.6, 0.0, 0.0, 0.0, 0.0])
-    pose = Pose(*arm.direct_kinematics(start + np.array([1.2, 0.0, 0.0, 0.0, 0.0, 0.0])))
+@pytest.mark.parametrize(('name', 'axis', 'lean'), [('ur5e', 2, 0.6), ('franka_fr3', 3, -0.3)])
+def test_a_pose_is_reached_in_another_posture_where_the_nearest_collides(name: str, axis: int, lean: float):
+    arm = load_robot_model(name)
+    first, second = np.eye(arm.num_axes)[:2]
+    start = arm.home + lean * second
+    pose = Pose(*arm.direct_kinematics(start + 1.2 * first))
     nearest = CollisionFreeJoint(arm).goal(start, pose)
     # A ball at the elbow of the nearest posture; others have theirs elsewhere.
-    elbow = arm.kinematic_model.frame_axes(nearest)[0][2]
+    elbow = arm.kinematic_model.frame_axes(nearest)[0][axis]
     ball = item('ball', Sphere(0.03), *elbow)
     collision = CollisionDetection(arm, scene=Scene((ball,)))
     assert collision.in_contact(nearest)
@@ -329,6 +331,24 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
         search.way(SIDES[0], SIDES[1:], cancelled)
     deepest_edge = 4000  # postures of one edge that grazes something
     assert certificate.work[0] < SLICE + deepest_edge
+
+
+def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyPatch):
+    """So that neither the budget nor a cancellation takes longer there."""
+    certificate, margins = divided_room().certificate(SIDES[0], margin=MARGIN)
+
+    def looked_at(pairs: int) -> tuple[int, int]:
+        monkeypatch.setattr(free_path_search, 'PAIRS', pairs)
+        asked: list[None] = []
+        search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=0.2)
+        with pytest.raises(NoFreePathError):
+            search.way(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
+        return int(certificate.work[0]), len(asked)
+
+    few, asked = looked_at(margins.size)
+    many, asked_many = looked_at(margins.size // 4)
+    assert many < 0.5 * few
+    assert asked == pytest.approx(asked_many, abs=2)
 
 
 def test_two_thousand_bodies_are_a_scene():

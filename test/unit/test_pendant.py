@@ -240,6 +240,12 @@ def test_a_target_is_moved_to_after_its_preview() -> None:
     found = desk.operator.preview(ME, 'joints', goal.tolist(), 0.5)
     assert found.duration > 0.0
     np.testing.assert_allclose(desk.cell.last[1], goal)
+    for time, q in ((0.0, desk.robot.home), (found.duration, goal)):
+        desk.operator.play_preview(ME, time)
+        np.testing.assert_allclose(desk.cell.last[1], q)
+    count = len(desk.cell.calls)
+    desk.operator.play_preview(OTHER, 0.0)
+    assert len(desk.cell.calls) == count
     desk.hold(2, key=MOVE_KEY)
     assert moves(desk)[-2:] == ['begin_move', 'hold_run True']
     desk.operator.give_back_control(ME)

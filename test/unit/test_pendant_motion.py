@@ -15,8 +15,10 @@ from robots_controller.pendant.jog.pendant_motion import (
 )
 from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.errors import InvalidInputError, JointLimitError
 from robots_core.orientation import rotation_from_vector
+from robots_core.robot_model.shapes import Capsule
 from robots_planning.guidance.teach_box import TeachBox
 from robots_planning.motion_settings import MotionSettings, frame_numbers
 from robots_planning.pathplanning import PathPlanning
@@ -104,6 +106,29 @@ def test_a_preview_tells_where_and_how_long_and_no_tool_is_too_fast(way: str) ->
     times = np.arange(0.0, motion.duration, 0.01)
     places = np.array([(Pose(*robot.direct_kinematics(row)) @ TOOL).r for row in motion.sample(times)[0]])
     assert np.linalg.norm(np.diff(places, axis=0), axis=1).max() / 0.01 <= 0.25
+
+
+def test_a_preview_of_a_way_around_obstacles_has_all_of_it_and_its_smallest_distance() -> None:
+    robot = load_robot_model('kuka_kr210_r2700')
+    post = SceneObject('post', Capsule(0.05, 1.6), Pose(np.array([1.7, 0.0, 1.0]), np.eye(3)))
+    collision = CollisionDetection(robot, scene=Scene((post,)))
+    preview = MotionPreview(PathPlanning(robot, collision=collision, collision_margin=0.005))
+    start, goal = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-30.0, 30.0)])
+    command = target_command(robot, 'joints', goal.tolist(), 1.0, PLAIN)
+    found = preview.plan(command, start, MotionSettings(avoid=True), 0.25)
+    assert found.around
+    assert found.closest is not None
+    assert found.closest.second == 'post'
+    assert found.closest.distance >= 0.005
+    np.testing.assert_allclose(
+        [found.at(0.0), found.at(found.duration), found.q], [start, goal, goal], atol=1e-12
+    )
+    lowest = min(found.at(time).tolist()[1] for time in np.linspace(0.0, found.duration, 50))
+    assert abs(lowest - start[1]) > 0.01  # a way that is not the line of axis 1
+    straight = preview.plan(
+        target_command(robot, 'joints', (start + 0.1).tolist(), 1.0, PLAIN), start, MotionSettings(), 0.25
+    )
+    assert not straight.around
 
 
 def _jog(robot: BaseRobotModel, box: TeachBox, jog: JogCommand, time: float) -> None:

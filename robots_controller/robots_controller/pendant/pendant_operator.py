@@ -180,6 +180,11 @@ class PendantOperator:
         self._port.show_ghost(found.q)
         return found
 
+    def play_preview(self, viewer: str, time: float) -> None:
+        """Show where the robot will be a time (s) after the start of the motion that a viewer has planned."""
+        if (found := self._previews.get(viewer)) is not None:
+            self._port.show_ghost(found.at(time))
+
     def forget_preview(self, viewer: str) -> None:
         """The target of a viewer is another one now, or none."""
         if self._previews.pop(viewer, None) is not None:

@@ -13,12 +13,14 @@ Function = TypeVar('Function', bound=Callable[..., Any])
 nb.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
 
 
-def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Function]:
+def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Callable[[Function], Function]:
     """Compile a function by Numba: immediately with signatures, else on the first call.
 
     Args:
         signatures: Numba's signatures, of the arguments that the function is compiled for.
         nogil: Other threads run meanwhile, which costs 0.05 us per call.
+        counted: References to arrays are counted, which costs 10 ns for each in a call that is not inlined.
+            Without, the function can neither make arrays nor return any.
 
     The code is kept beside the source, or in the user's cache folder if that is not writable (or in
     $NUMBA_CACHE_DIR), and is used until what it was made of changes: see `kernel_cache`. Without a writable
@@ -27,14 +29,16 @@ def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Funct
 
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
-        keep_by_content(function, nogil=nogil)
+        # Said in both cases: a function takes over options that are not set from the one that calls it first.
+        options = {'nogil': nogil, '_nrt': counted}
+        keep_by_content(function, **options if not counted else {'nogil': nogil})
         try:
             with garbage_kept():
-                result: Function = nb.njit(*chosen, cache=True, nogil=nogil)(function)
+                result: Function = nb.njit(*chosen, cache=True, **options)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
-            result = nb.njit(*chosen, nogil=nogil)(function)
+            result = nb.njit(*chosen, **options)(function)
         return result
 
     return decorate

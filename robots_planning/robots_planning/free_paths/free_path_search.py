@@ -17,8 +17,9 @@ from robots_core.validation import Array
 from robots_planning.free_paths.search_kernel import Random, Tree, grow, shorten
 
 POSTURES_PER_SECOND: Final = 25_000
-"""What a search looks at in a second of its budget; one posture takes 15 to 35 us on an AMD EPYC core."""
-SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 15 ms
+"""What a search looks at in a second of its budget; one posture takes 5 to 10 us on an AMD EPYC core."""
+PAIRS: Final = 8000  # of solids that a posture of the budget has at most; one with more counts as several
+SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 5 ms
 CAPACITY: Final = 1024  # rows of a tree at first
 CHANGES: Final = 80  # of a way, tried to make it take less time,
 CHANGES_LOOK: Final = 1500  # until so many postures were looked at
@@ -116,7 +117,7 @@ class FreePathSearch:
             limits,
             path,
             CHANGES,
-            CHANGES_LOOK,
+            int(CHANGES_LOOK / _crowd(margins)),
             random,
             certificate.work,
         )
@@ -136,8 +137,8 @@ class FreePathSearch:
         blocked: Indices = np.zeros(margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
         box = np.array([ends.min(axis=0), ends.max(axis=0)])
-        work = certificate.work
-        most = int(self._budget * POSTURES_PER_SECOND)
+        work, crowd = certificate.work, _crowd(margins)
+        most, step = int(self._budget * POSTURES_PER_SECOND / crowd), max(int(SLICE / crowd), 1)
         while work[0] < most:
             if cancelled():
                 raise SearchCancelledError('given up while a way around obstacles was searched for')
@@ -154,7 +155,7 @@ class FreePathSearch:
                 closest,
                 random,
                 work,
-                min(int(work[0]) + SLICE, most),
+                min(int(work[0]) + step, most),
             )
             if a >= 0:
                 return np.concatenate([_branch(trees[0], a)[::-1], _branch(trees[1], b)])
@@ -189,6 +190,11 @@ class FreePathSearch:
             gap=float(way[axis]),
             blocking='; '.join(f'{a} - {b}' for a, b in most),
         )
+
+
+def _crowd(margins: Array) -> float:
+    """How many postures of the budget one counts as that has as many pairs as there are margins, (p,)."""
+    return max(1.0, margins.size / PAIRS)
 
 
 def _tree(postures: Array, capacity: int, parents: Indices | None = None) -> Tree:

@@ -42,7 +42,8 @@ class CollisionFreeJoint(JointSpaceGenerator):
     motion does not stop at them. Velocity, acceleration and torque limits hold everywhere (see
     `TimeOptimalTiming`), with `jerk_limited` those of the jerk too.
 
-    A target pose is reached in any posture that the limits allow, the nearest if a free way leads there.
+    A target pose is reached in any posture that the limits allow: the nearest that a free line leads to, or
+    else the first that the search meets.
 
     Args:
         robot: The robot.

@@ -12,6 +12,8 @@ import numpy as np
 from robots_controller.pendant.jog.jog_command import JogCommand
 from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_controller.program.motion_command import MotionCommand
+from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.results import Proximity
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_vector
 from robots_core.pose import Pose
@@ -21,11 +23,12 @@ from robots_planning.guidance.teach_box import ROTATION_SPEED
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
 from robots_planning.motion_settings import MotionSettings, frame
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.trajectory import Trajectory
 
 ACCELERATION: Final = 0.3  # part of the limits, as of a teach box
 SPEED_MARGIN: Final = 0.95  # of the highest tool speed, which does not grow quite as the axes' do
 Way = Literal['joints', 'pose', 'line']
-SAMPLES: Final = 200  # of a motion, for the speed of the tool
+SAMPLES: Final = 200  # of a motion, for the speed of the tool and the 3D view
 WAYS: Final[tuple[Way, ...]] = get_args(Way)
 """How a typed target is given and reached: joint positions; a pose, with all axes or on a line."""
 
@@ -37,14 +40,30 @@ class Preview:
     Attributes:
         command: The motion.
         duration: How long it takes at full override, s.
-        q: Joint positions at its end, (n,), rad (m).
+        way: Joint positions at equal steps of its time, (SAMPLES, n), rad (m).
         limiting_axis: The axis that limits it.
+        around: It leads around obstacles.
+        closest: The smallest distance on it; None where nothing is checked.
     """
 
     command: MotionCommand
     duration: float
-    q: Array
+    way: Array
     limiting_axis: str
+    around: bool = False
+    closest: Proximity | None = None
+
+    @property
+    def q(self) -> Array:
+        """Joint positions at its end, (n,), rad (m)."""
+        end: Array = self.way[-1]
+        return end
+
+    def at(self, time: float) -> Array:
+        """Joint positions a time (s) after its start, (n,), rad (m); afterwards those at its end."""
+        part = min(max(time / self.duration, 0.0), 1.0) if self.duration > 0.0 else 1.0
+        q: Array = self.way[round(part * (SAMPLES - 1))]
+        return q
 
 
 @dataclass(frozen=True)
@@ -173,8 +192,18 @@ class MotionPreview:
             slower = MappingProxyType({**command.settings, 'speed_fraction': fraction})
             command = replace(command, settings=slower)
             planned = self._planned(command, q, settings)
-        end = read_only(planned.trajectory.position[-1])
-        return Preview(command, planned.duration, end, planned.limiting_axis)
+        way = _samples(planned)
+        around = planned.via is not None and len(planned.via) > 0
+        return Preview(
+            command, planned.duration, way, planned.limiting_axis, around, self._closest(planned.trajectory)
+        )
+
+    def _closest(self, trajectory: Trajectory) -> Proximity | None:
+        if self._planning.collision is None:
+            return None
+        path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+        found = self._planning.collision.closest_approach(path)
+        return None if found is None else found.proximity
 
     def _planned(self, command: MotionCommand, q: Array, settings: MotionSettings) -> PlannedMotion:
         target = command.q if command.q is not None else command.pose
@@ -183,8 +212,13 @@ class MotionPreview:
         return self._planning.plan(command.kind, q, target, wanted)
 
     def _fastest(self, planned: PlannedMotion, tool: Array) -> float:
-        robot, trajectory = self._planning.robot, planned.trajectory
-        times = np.linspace(0.0, trajectory.duration, SAMPLES)
-        q = trajectory.sample(times)[0]
-        places = np.array([r + T @ tool for r, T in map(robot.direct_kinematics, q)])
-        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max() / times[1])
+        frames = map(self._planning.robot.direct_kinematics, _samples(planned))
+        places = np.array([r + T @ tool for r, T in frames])
+        step = planned.duration / (SAMPLES - 1)
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max() / step)
+
+
+def _samples(planned: PlannedMotion) -> Array:
+    """Joint positions at equal steps of a motion's time, (SAMPLES, n)."""
+    times = np.linspace(0.0, planned.duration, SAMPLES)
+    return read_only(planned.trajectory.sample(times)[0])

@@ -24,14 +24,13 @@ from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.trend_panel import TrendPanel
-from robots_controller.pendant.page.viewer import Panel, Viewer
+from robots_controller.pendant.page.viewer import PERIOD, Panel, Viewer
 from robots_controller.pendant.page_access import is_this_machine
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_core.errors import RobotsError
 
-PERIOD: Final = 0.1  # s between two refreshes
 PAGE_LANGUAGES: Final[Mapping[str, Language]] = {'en': 'en-US', 'de': 'de'}
 """Of what the browser and NiceGUI themselves say."""
 GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more

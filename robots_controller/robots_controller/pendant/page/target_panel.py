@@ -10,11 +10,12 @@ from nicegui import run, ui
 
 from robots_controller.pendant.jog.held_button import MOVE_KEY
 from robots_controller.pendant.jog.pendant_motion import WAYS, Preview, Way
-from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import PERIOD, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError, RobotsError
 
 MILLIMETRES: Final = 1e3
+STAY: Final = 1.0  # s at the target, before the way around obstacles is shown again
 
 
 class TargetPanel:
@@ -29,6 +30,8 @@ class TargetPanel:
     def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:
         self._viewer, self._speed, self._line = viewer, speed, line
         self._way: Way = 'joints'
+        self._around: Preview | None = None  # what the ghost runs along
+        self._played = 0.0  # s of it
         self._fields: list[tuple[ui.number, float]] = []  # with the factor from SI
         text = viewer.texts
         with ui.element('div').classes('panel target') as self.element:
@@ -101,6 +104,7 @@ class TargetPanel:
         self._show(None)
 
     def _show(self, found: Preview | None) -> None:
+        self._around, self._played = (found if found is not None and found.around else None), 0.0
         self._move.classes(add='' if found else 'blocked', remove='blocked' if found else '')
         text = self._viewer.texts
         if found is None:
@@ -108,7 +112,15 @@ class TargetPanel:
             return
         override = self._viewer.operator.state.override
         duration = f'{found.duration / override:.1f}' if override > 0.0 else '∞'
-        self._found.set_text(text('target.found', duration=duration, axis=found.limiting_axis))
+        lines = [text('target.found', duration=duration, axis=found.limiting_axis)]
+        if found.around:
+            lines.append(text('target.around'))
+        if (closest := found.closest) is not None:
+            distance = f'{MILLIMETRES * closest.distance:.1f}'
+            lines.append(
+                text('target.closest', distance=distance, first=closest.first, second=closest.second)
+            )
+        self._found.set_text(' '.join(lines))
 
     async def _preview(self) -> None:
         viewer, self._found.text = self._viewer, self._viewer.texts('target.planning')
@@ -132,6 +144,9 @@ class TargetPanel:
         return float(field.value) / factor
 
     def refresh(self, state: PendantState) -> None:
-        """Fill the fields with the first position that comes."""
+        """Fill the fields with the first position that comes, and show the next position of a way around."""
+        if self._around is not None:
+            self._viewer.operator.play_preview(self._viewer.id, self._played)
+            self._played = (self._played + PERIOD) % (self._around.duration + STAY)
         if state.q is not None and all(field.value is None for field, _ in self._fields):
             self._fill()

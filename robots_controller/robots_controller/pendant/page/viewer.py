@@ -14,6 +14,8 @@ from robots_controller.pendant.permissions import Action, NotPermittedError, ref
 from robots_controller.pendant.texts import Texts
 from robots_core.errors import RobotsError
 
+PERIOD: Final = 0.1  # s between two refreshes
+
 
 class Panel(Protocol):
     """A part of the page."""

@@ -21,26 +21,25 @@ from robots_core.kernels.serial_chain import ChainArrays, next_frame
 from robots_core.kernels.vectors import Vector, add, dot, matrix_of, product, row_of, subtract, times
 from robots_core.validation import Array
 
-ReachArrays = tuple[Array, Indices, Array]
-"""Points (k, 3) whose hull, grown by a radius, holds a solid, in its own frame, m; the first point of every
-solid (s + 1,); the radii (s,)."""
+ReachArrays = tuple[Array, Array]
+"""Eight points whose hull, grown by a radius, holds a solid, in its frame, (s, 8, 3) m; the radii (s,)."""
 BallArrays = tuple[Indices, Array, Array]
 """The solids that axes move; of all solids, centres (s, 3) of balls around them, which lie in the solids, in
 their own frames, and radii (s,), m."""
 BodyArrays = tuple[SolidArrays, ChainArrays, ReachArrays, BallArrays, Indices, Indices]
 """The solids, fixed to the frames of the chain; the chain; how far the solids reach; balls around them; the
 first solid of every pair, (p,), which is not moved by more axes than the second; the second."""
-PlacedArrays = tuple[Array, Array, Array, Array, Array, Array, Array]
+PlacedArrays = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 """Origins (n, 3) and orientations (n, 3, 3) of the axes' frames, z along the axis; orientations (s, 3, 3) and
 positions (s, 3) of the solids, those at rest filled in; the approach of each solid by the axes from one on,
-(s, n), m; the direction that separated every pair last, (p, 3), 0 for none; centres (s, 3)
-of the balls around the solids, m."""
+(s, n), m; the direction that separated every pair last, (p, 3), 0 for none; centres (s, 3) of the balls
+around the solids, m; the points that hold one solid, (8, 3) m; a result of `solid_distance`, (8,)."""
 
 FINEST = 1e-4  # m of approach; a piece that is not proven to be free with less counts as blocked
 FREE = -1  # in place of a pair
 
 
-@compiled()
+@compiled(counted=False)
 def place_solids(body: BodyArrays, placed: PlacedArrays, q: Array) -> None:
     """Place the frames and the moved solids at joint positions `q`, (n,)."""
     solids, chain = body[0], body[1]
@@ -63,27 +62,31 @@ def place_solids(body: BodyArrays, placed: PlacedArrays, q: Array) -> None:
         )
 
 
-@compiled()
+@compiled(counted=False)
 def _approaches(body: BodyArrays, placed: PlacedArrays, turn: Array, s: int) -> None:
     """Fill how far solid s may move if axes turn by up to `turn`, (n,), from each axis on; see `travels`."""
-    chain, (points, first, radii) = body[1], body[2]
+    chain, (points, radii) = body[1], body[2]
     r, T, R, t, approaches = placed[:5]
-    turned, at = matrix_of(R[s]), row_of(t, s)
-    approach = 0.0
+    corners, turned, at = placed[7], matrix_of(R[s]), row_of(t, s)
+    approach, filled = 0.0, False
     for k in range(body[0][6][s] - 1, -1, -1):
         if chain[k, 12] != 0.0:
             approach += turn[k]
         elif turn[k] > 0.0:
             axis, origin = (T[k, 0, 2], T[k, 1, 2], T[k, 2, 2]), row_of(r, k)
+            if not filled:
+                filled = True
+                for p in range(8):
+                    corners[p, 0], corners[p, 1], corners[p, 2] = add(at, times(turned, row_of(points[s], p)))
             farthest = 0.0
-            for p in range(first[s], first[s + 1]):
-                arm = subtract(add(at, times(turned, row_of(points, p))), origin)
+            for p in range(8):
+                arm = subtract(row_of(corners, p), origin)
                 farthest = max(farthest, dot(arm, arm) - dot(arm, axis) ** 2)
             approach += turn[k] * (sqrt(farthest) + radii[s] + approach)
         approaches[s, k] = approach
 
 
-@compiled()
+@compiled(counted=False)
 def _outside(R: Array, t: Array, boxes: Array, halves: Array, s: int, point: Vector) -> float:
     """Distance of a point from the box around solid s, m; 0 inside."""
     x, y, z = point[0] - t[s, 0], point[1] - t[s, 1], point[2] - t[s, 2]
@@ -96,7 +99,19 @@ def _outside(R: Array, t: Array, boxes: Array, halves: Array, s: int, point: Vec
     return sqrt(squared)
 
 
-@compiled()
+@compiled(counted=False)
+def _gap_of_boxes(R: Array, t: Array, boxes: Array, halves: Array, i: int, j: int, axis: Vector) -> float:
+    """Distance of the boxes around solids i and j along a unit vector, from i to j, m; see `gap_along`."""
+    gap = 0.0
+    for s, sign in ((j, 1.0), (i, -1.0)):
+        gap += sign * dot(row_of(t, s), axis)
+        for k in range(3):
+            along = R[s, 0, k] * axis[0] + R[s, 1, k] * axis[1] + R[s, 2, k] * axis[2]
+            gap += sign * boxes[s, k] * along - halves[s, k] * abs(along)
+    return gap
+
+
+@compiled(counted=False)
 def _keep_direction(solids: SolidArrays, i: int, j: int, result: Array, axis: Array) -> None:
     """Keep the direction from solid i to solid j, both convex, that `solid_distance` found."""
     first = solids[1]
@@ -107,7 +122,7 @@ def _keep_direction(solids: SolidArrays, i: int, j: int, result: Array, axis: Ar
             axis[0], axis[1], axis[2] = way[0] / length, way[1] / length, way[2] / length
 
 
-@compiled()
+@compiled(counted=False)
 def _look(
     body: BodyArrays,
     placed: PlacedArrays,
@@ -116,7 +131,6 @@ def _look(
     margins: Array,
     pairs: Indices,
     left: Indices,
-    begin: int,
     worst: Array,
 ) -> tuple[int, int]:
     """Look at one posture.
@@ -128,8 +142,7 @@ def _look(
         turn: How far the axes may move from there, (n,), rad (m).
         margins: Distance that each pair is to keep, (p,) m.
         pairs: Those to look at.
-        left: Gets the pairs that are not proven to be free within `turn`, from `begin` on.
-        begin: See `left`.
+        left: Gets the pairs that are not proven to be free within `turn`.
         worst: Gets the largest approach of the pairs that are left, (1,) m.
 
     Returns:
@@ -137,12 +150,11 @@ def _look(
     """
     place_solids(body, placed, q)
     solids, first, second = body[0], body[4], body[5]
-    R, t, approaches, axes = placed[2], placed[3], placed[4], placed[5]
+    R, t, approaches, axes, result = placed[2], placed[3], placed[4], placed[5], placed[8]
     parts, first_part = solids[0], solids[1]
     for s in body[3][0]:
         approaches[s, 0] = -1.0
     centres, balls, boxes, halves, frames = placed[6], body[3][2], solids[4], solids[5], solids[6]
-    result, point = np.empty(8), np.empty(3)
     count = 0
     worst[0] = 0.0
     for p in pairs:
@@ -166,11 +178,14 @@ def _look(
         x, y, z = axes[p]
         if x * x + y * y + z * z > 0.0:
             a, b = first_part[i], first_part[j]
-            if gap_along(parts, R, t, a, b, x, y, z, point) > enough:
+            if (
+                _gap_of_boxes(R, t, boxes, halves, i, j, (x, y, z)) > enough
+                or gap_along(parts, R, t, a, b, x, y, z) > enough
+            ):
                 continue
         if lower > margins[p] and approach > FINEST:
             # Bounds on the halves of the interval cost less than the distance.
-            left[begin + count] = p
+            left[count] = p
             count += 1
             worst[0] = max(worst[0], approach)
             continue
@@ -179,7 +194,7 @@ def _look(
             return p, count
         _keep_direction(solids, i, j, result, axes[p])
         if result[0] <= enough:
-            left[begin + count] = p
+            left[count] = p
             count += 1
             worst[0] = max(worst[0], approach)
     return FREE, count
@@ -228,7 +243,7 @@ def certify(
             _evaluate(coefficients, s, q)
             work[0] += 1
             blocked, count = _look(
-                body, placed, q, turn, margins, pairs[begins[k] : begins[k] + counts[k]], left, 0, worst
+                body, placed, q, turn, margins, pairs[begins[k] : begins[k] + counts[k]], left, worst
             )
             if blocked != FREE:
                 return blocked, s
@@ -247,7 +262,7 @@ def certify(
     return FREE, 0.0
 
 
-@compiled()
+@compiled(counted=False)
 def _evaluate(coefficients: Array, s: float, q: Array) -> None:
     """Fill q (n,) with a polynomial's value."""
     for axis in range(q.size):
@@ -272,7 +287,5 @@ def certify_line(
 def blocking_pair(body: BodyArrays, placed: PlacedArrays, q: Array, margins: Array) -> int:
     """A pair that is closer than its margin in one posture, or FREE."""
     left, worst = np.empty(margins.size, dtype=np.int64), np.empty(1)
-    blocked, count = _look(
-        body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, 0, worst
-    )
+    blocked, count = _look(body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, worst)
     return left[0] if blocked == FREE and count > 0 else blocked

@@ -10,12 +10,13 @@ backup procedure of that paper and does not depend on the order of its points.
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robots_core.blocks.collision.farthest_vertices import EDGE, Indices
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     Vector,
     add,
+    copy_into,
     cross,
     dot,
     matrix_of,
@@ -27,9 +28,10 @@ from robots_core.kernels.vectors import (
 )
 from robots_core.validation import Array
 
-PartArrays = tuple[Array, NDArray[np.int64], Array, Array, Array, NDArray[np.int64]]
+PartArrays = tuple[Array, Indices, Array, Array, Array, Indices, Indices, Indices, Indices]
 """Vertices (k, 3), first vertex of every part (p + 1,), disc, half length and rounding radius (p,), m, and
-the frame that each part is fixed to (p,).
+the frame that each part is fixed to (p,). For parts with many vertices, `farthest_vertices`: the row of each
+part (p,), below 0 for none; the places (r, CELLS + 1); the vertices.
 
 A part is the hull of its vertices, or, where `disc` is above 0, a cylinder along z; either grown by `radius`.
 """
@@ -41,12 +43,27 @@ MAX_STEPS = 100
 SINGULAR = 1e-13  # of the product of the edges; a simplex this flat is skipped in favour of its faces
 
 
-@compiled()
-def support(
-    parts: PartArrays, R: Array, t: Array, index: int, x: float, y: float, z: float, p: Array
-) -> None:
-    """Fill p (3,) with the point of a part, without its rounding, that is farthest along (x, y, z)."""
-    vertices, first, disc, half, _, frame = parts
+@compiled(counted=False)
+def cell_of(x: float, y: float, z: float) -> int:
+    """The cell of a direction, see `farthest_vertices`."""
+    a, b, c = abs(x), abs(y), abs(z)
+    if a >= b and a >= c:
+        face, largest, u, v = 0 if x >= 0.0 else 1, a, y, z
+    elif b >= c:
+        face, largest, u, v = 2 if y >= 0.0 else 3, b, z, x
+    else:
+        face, largest, u, v = 4 if z >= 0.0 else 5, c, x, y
+    if largest == 0.0:
+        return 0
+    row = max(min(int(0.5 * EDGE * (1.0 + u / largest)), EDGE - 1), 0)
+    column = max(min(int(0.5 * EDGE * (1.0 + v / largest)), EDGE - 1), 0)
+    return (face * EDGE + row) * EDGE + column
+
+
+@compiled(counted=False)
+def support(parts: PartArrays, R: Array, t: Array, index: int, x: float, y: float, z: float) -> Vector:
+    """The point of a part, without its rounding, that is farthest along (x, y, z)."""
+    vertices, first, disc, half, _, frame, rows, places, farthest = parts
     at_frame = frame[index]
     T = matrix_of(R[at_frame])
     u, v, w = times(transposed(T), (x, y, z))
@@ -55,31 +72,29 @@ def support(
         factor = disc[index] / across if across > 0.0 else 0.0
         a, b, c = factor * u, factor * v, half[index] if w >= 0.0 else -half[index]
     else:
-        best, at = -np.inf, first[index]
-        for k in range(first[index], first[index + 1]):
+        row, best, at = rows[index], -np.inf, first[index]
+        begin, end = at, first[index + 1]
+        if row >= 0:
+            cell = cell_of(u, v, w)
+            begin, end = places[row, cell], places[row, cell + 1]
+        for place in range(begin, end):
+            k = farthest[place] if row >= 0 else place
             along = vertices[k, 0] * u + vertices[k, 1] * v + vertices[k, 2] * w
             if along > best:
                 best, at = along, k
         a, b, c = vertices[at, 0], vertices[at, 1], vertices[at, 2]
-    p[0], p[1], p[2] = add(row_of(t, at_frame), times(T, (a, b, c)))
+    return add(row_of(t, at_frame), times(T, (a, b, c)))
 
 
-@compiled()
-def gap_along(
-    parts: PartArrays, R: Array, t: Array, i: int, j: int, x: float, y: float, z: float, p: Array
-) -> float:
-    """Distance of two parts along the unit vector (x, y, z), from i to j, m: a bound on theirs from below.
-
-    `p` (3,) is scratch memory.
-    """
-    support(parts, R, t, i, x, y, z, p)
-    first = p[0] * x + p[1] * y + p[2] * z
-    support(parts, R, t, j, -x, -y, -z, p)
-    gap: float = p[0] * x + p[1] * y + p[2] * z - first - parts[4][i] - parts[4][j]
+@compiled(counted=False)
+def gap_along(parts: PartArrays, R: Array, t: Array, i: int, j: int, x: float, y: float, z: float) -> float:
+    """Distance of two parts along the unit vector (x, y, z), from i to j, m: a bound on theirs from below."""
+    first = dot(support(parts, R, t, i, x, y, z), (x, y, z))
+    gap: float = dot(support(parts, R, t, j, -x, -y, -z), (x, y, z)) - first - parts[4][i] - parts[4][j]
     return gap
 
 
-@compiled()
+@compiled(counted=False)
 def _weighted(weights: Array, points: Array, count: int) -> Vector:
     """Sum of the first `count` points with their weights."""
     total = (0.0, 0.0, 0.0)
@@ -88,29 +103,35 @@ def _weighted(weights: Array, points: Array, count: int) -> Vector:
     return total
 
 
-@compiled()
+@compiled(counted=False)
 def _closest(W: Array, count: int, weights: Array, trial: Array) -> float:
     """Weights (4,) of the point of a simplex that is closest to the origin; returns its squared norm."""
     best = np.inf
-    chosen = np.empty(4, dtype=np.int64)
     for mask in range(1, 1 << count):
-        size = 0
+        # The chosen points, at most four: o, a, b, c.
+        size, o, a, b, c = 0, 0, 0, 0, 0
         for k in range(count):
             if mask >> k & 1:
-                chosen[size] = k
+                if size == 0:
+                    o = k
+                elif size == 1:
+                    a = k
+                elif size == 2:
+                    b = k
+                else:
+                    c = k
                 size += 1
-        o = chosen[0]
         w = row_of(W, o)
         # Normal equations G mu = -E w, solved by Cramer's rule: at most three unknowns.
         m0, m1, m2 = 0.0, 0.0, 0.0
         if size > 1:
-            first = subtract(row_of(W, chosen[1]), w)
+            first = subtract(row_of(W, a), w)
             g00, h0 = dot(first, first), -dot(first, w)
             if g00 <= 0.0:
                 continue
             m0 = h0 / g00
         if size > 2:
-            second = subtract(row_of(W, chosen[2]), w)
+            second = subtract(row_of(W, b), w)
             g01, g11, h1 = dot(first, second), dot(second, second), -dot(second, w)
             det = g00 * g11 - g01 * g01
             if size == 3:
@@ -118,7 +139,7 @@ def _closest(W: Array, count: int, weights: Array, trial: Array) -> float:
                     continue
                 m0, m1 = (h0 * g11 - h1 * g01) / det, (g00 * h1 - g01 * h0) / det
         if size > 3:
-            third = subtract(row_of(W, chosen[3]), w)
+            third = subtract(row_of(W, c), w)
             g02, g12, g22, h2 = dot(first, third), dot(second, third), dot(third, third), -dot(third, w)
             h = (h0, h1, h2)
             G = ((g00, g01, g02), (g01, g11, g12), (g02, g12, g22))
@@ -131,14 +152,27 @@ def _closest(W: Array, count: int, weights: Array, trial: Array) -> float:
             continue
         trial[:] = 0.0
         trial[o] = 1.0 - m0 - m1 - m2
-        for k in range(1, size):
-            trial[chosen[k]] = m0 if k == 1 else m1 if k == 2 else m2
+        if size > 1:
+            trial[a] = m0
+        if size > 2:
+            trial[b] = m1
+        if size > 3:
+            trial[c] = m2
         point = _weighted(trial, W, count)
         norm = dot(point, point)
         if norm < best:
             best = norm
-            weights[:] = trial
+            copy_into(weights, trial)
     return best
+
+
+@compiled(counted=False)
+def _keep(points: Array, row: int, a: Vector, b: Vector) -> None:
+    """Keep support points of both parts, and their difference, in rows of `points`: see `nearest_points`."""
+    for axis in range(3):
+        points[row, axis] = a[axis] - b[axis]
+        points[4 + row, axis] = a[axis]
+        points[8 + row, axis] = b[axis]
 
 
 @compiled()
@@ -170,16 +204,13 @@ def nearest_points(
         between: Whether a distance between both needs no value.
         result: Both distances are 0 in contact, the points then lie in both, or near it.
     """
-    W, A, B = np.empty((4, 3)), np.empty((4, 3)), np.empty((4, 3))
-    weights, trial = np.zeros(4), np.zeros(4)
-    a, b = np.empty(3), np.empty(3)
+    points, factors = np.empty((12, 3)), np.zeros((2, 4))  # few arrays: each takes as long as a support point
+    W, A, B, weights, trial = points[:4], points[4:8], points[8:], factors[0], factors[1]
     x, y, z = subtract(row_of(t, parts[5][i]), row_of(t, parts[5][j]))
     if x * x + y * y + z * z == 0.0:
         x = 1.0
-    support(parts, R, t, i, -x, -y, -z, a)
-    support(parts, R, t, j, x, y, z, b)
     count = 1
-    A[0], B[0], W[0] = a, b, a - b
+    _keep(points, 0, support(parts, R, t, i, -x, -y, -z), support(parts, R, t, j, x, y, z))
     weights[0] = 1.0
     lower = -np.inf
     upper = sqrt(W[0, 0] ** 2 + W[0, 1] ** 2 + W[0, 2] ** 2)
@@ -189,8 +220,7 @@ def nearest_points(
         upper = sqrt(x * x + y * y + z * z)
         if upper <= GAP:
             break
-        support(parts, R, t, i, -x, -y, -z, a)
-        support(parts, R, t, j, x, y, z, b)
+        a, b = support(parts, R, t, i, -x, -y, -z), support(parts, R, t, j, x, y, z)
         lower = max(lower, (x * (a[0] - b[0]) + y * (a[1] - b[1]) + z * (a[2] - b[2])) / upper)
         if upper - lower <= GAP or upper <= rounding + near or lower > rounding + enough:
             break
@@ -200,12 +230,12 @@ def nearest_points(
         kept = 0
         for k in range(count):
             if weights[k] > 0.0:
-                A[kept], B[kept], W[kept] = A[k], B[k], W[k]
+                _keep(points, kept, row_of(A, k), row_of(B, k))
                 kept += 1
         if kept == 4:
             upper = 0.0
             break
-        A[kept], B[kept], W[kept] = a, b, a - b
+        _keep(points, kept, a, b)
         count = kept + 1
         squared = _closest(W, count, weights, trial)
         if squared >= upper * upper:  # rounding: no progress is possible

@@ -79,7 +79,7 @@ def broad_distances(solids: SolidArrays, R: Array, t: Array, first: Indices, sec
     return result
 
 
-@compiled()
+@compiled(counted=False)
 def solid_distance(
     solids: SolidArrays,
     R: Array,
@@ -97,10 +97,27 @@ def solid_distance(
     may be less than the distance, and the points are then not the nearest ones. The same holds for a distance
     of at most `near` (m) and, with `between`, for one between both.
     """
-    parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
+    first = solids[1]
     if first[i + 1] - first[i] == 1 and first[j + 1] - first[j] == 1:
-        nearest_points(parts, R, t, first[i], first[j], near, enough, between, result)
-        return
+        nearest_points(solids[0], R, t, first[i], first[j], near, enough, between, result)
+    else:
+        _surface_distance(solids, R, t, i, j, near, enough, between, result)
+
+
+@compiled()
+def _surface_distance(
+    solids: SolidArrays,
+    R: Array,
+    t: Array,
+    i: int,
+    j: int,
+    near: float,
+    enough: float,
+    between: bool,  # noqa: FBT001
+    result: Array,
+) -> None:
+    """`solid_distance`, of which at least one solid is a surface."""
+    parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
     one = np.empty(8)
     R_i, R_j = matrix_of(R[i]), matrix_of(R[j])
     balls = np.empty((first[j + 1] - first[j], 3))

@@ -15,12 +15,10 @@ from robots_core.blocks.collision.certificate_kernel import (
     certify_line,
 )
 from robots_core.blocks.collision.solid_set import SolidSet
-from robots_core.kernels.serial_chain import SerialChain, chain_frames
+from robots_core.blocks.collision.solids import BOX_CORNERS
+from robots_core.kernels.serial_chain import chain_frames
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-
-CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-FEW_POINTS = 8  # of a hull, up to which its own points are used in place of its box's corners
 
 
 class PathCertificate:
@@ -34,7 +32,7 @@ class PathCertificate:
     """
 
     def __init__(self, robot: BaseRobotModel, solids: SolidSet) -> None:
-        chain = SerialChain.of(robot).arrays
+        chain = solids.chain.arrays
         # The solids are fixed to the frames of the kinematic model: here, to those of the chain.
         r, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
         r_chain, T_chain = chain_frames(chain)
@@ -65,6 +63,8 @@ class PathCertificate:
             np.empty((count, n)),
             np.zeros((solids.first.size, 3)),
             local_t + np.einsum('sij,sj->si', local_R, balls[1]),
+            np.empty((8, 3)),
+            np.empty(8),
         )
         """Scratch memory for compiled code."""
         self.work = np.zeros(1, dtype=np.int64)
@@ -102,30 +102,16 @@ class PathCertificate:
 
 
 def _ball_arrays(solids: SolidSet) -> BallArrays:
-    centres: list[Array] = []
-    radii: list[float] = []
-    for solid in solids.solids:
-        core, disc, half, radius = solid.core
-        # A surface holds its points; a hull also their mean.
-        centre = np.zeros(3) if disc > 0.0 else core.mean(axis=0) if solid.convex else core[0]
-        farthest = np.hypot(disc, half) if disc > 0.0 else np.linalg.norm(core - centre, axis=1).max()
-        centres.append(centre)
-        radii.append(float(farthest) + radius)
+    balls = [solid.ball for solid in solids.solids]
     moved = np.flatnonzero(solids.arrays[6] > 0).astype(np.int64)
-    return moved, np.array(centres).reshape(-1, 3), np.array(radii)
+    centres = np.array([centre for centre, _ in balls]).reshape(-1, 3)
+    return moved, centres, np.array([radius for _, radius in balls])
 
 
 def _reach_arrays(solids: SolidSet) -> ReachArrays:
-    points: list[Array] = []
-    radii: list[float] = []
-    centres, halves = solids.arrays[4], solids.arrays[5]
-    for solid, centre, half in zip(solids.solids, centres, halves, strict=True):
-        core, disc, _, radius = solid.core
-        few = solid.convex and disc == 0.0 and len(core) <= FEW_POINTS
-        points.append(np.asarray(core) if few else centre + CORNERS * half)
-        radii.append(radius if few else 0.0)
-    first = np.cumsum([0, *(len(some) for some in points)]).astype(np.int64)
-    return np.concatenate([np.empty((0, 3)), *points]), first, np.array(radii)
+    reaches = [solid.reach for solid in solids.solids]
+    points = np.array([some for some, _ in reaches]).reshape(-1, *BOX_CORNERS.shape)
+    return points, np.array([radius for _, radius in reaches])
 
 
 __all__ = ['FREE', 'PathCertificate']

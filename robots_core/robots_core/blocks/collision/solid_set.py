@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robots_core.blocks.collision.farthest_vertices import CELLS
 from robots_core.blocks.collision.nearest_points import PartArrays
 from robots_core.blocks.collision.pair_kernels import (
     Indices,
@@ -40,7 +41,9 @@ class SolidSet:
         self.first, self.second = (np.ascontiguousarray(ordered[:, column]) for column in (0, 1))
         self.arrays = _solid_arrays(self.solids, frames)
         """The solids for compiled code."""
-        self._motion = _motion_arrays(robot)
+        self.chain = SerialChain.of(robot)
+        """The robot's axes."""
+        self._motion = _motion_arrays(robot, self.chain)
         self.R, self.t = np.empty((len(solids), 3, 3)), np.empty((len(solids), 3))
         self._r, self._T = np.empty((0, 3)), np.empty((0, 3, 3))
 
@@ -108,17 +111,31 @@ def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
         radii += [ball for _, ball in balls]
         sizes.append(len(corners))
     bounds = np.array([solid.bounds for solid in solids]).reshape(-1, 2, 3)
+    first, first_part = _offsets([len(corners) for corners in vertices]), _offsets(sizes)
+    tabled = [k for k, solid in enumerate(solids) if solid.farthest is not None]
+    tables = [table for solid in solids if (table := solid.farthest) is not None]
+    rows_of_parts = np.full(len(rows), -1)
+    rows_of_parts[first_part[tabled]] = np.arange(len(tabled))
+    begins = _offsets([len(chosen) for _, chosen in tables])[:-1]
     parts: PartArrays = (
         np.concatenate([np.empty((0, 3)), *vertices]),
-        _offsets([len(corners) for corners in vertices]),
+        first,
         np.array([row[0] for row in rows]),
         np.array([row[1] for row in rows]),
         np.array([row[2] for row in rows]),
         np.array([row[3] for row in rows], dtype=np.int64),
+        rows_of_parts,
+        np.array([places for places, _ in tables], dtype=np.int64).reshape(-1, CELLS + 1) + begins[:, None],
+        np.concatenate(
+            [
+                np.empty(0, dtype=np.int64),
+                *(first[first_part[k]] + chosen for k, (_, chosen) in zip(tabled, tables, strict=True)),
+            ]
+        ),
     )
     return (
         parts,
-        _offsets(sizes),
+        first_part,
         np.array(centres).reshape(-1, 3),
         np.array(radii),
         0.5 * (bounds[:, 0] + bounds[:, 1]),
@@ -133,7 +150,6 @@ def _offsets(sizes: Sequence[int]) -> Indices:
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
 
 
-def _motion_arrays(robot: BaseRobotModel) -> MotionArrays:
-    chain = SerialChain.of(robot)
+def _motion_arrays(robot: BaseRobotModel, chain: SerialChain) -> MotionArrays:
     _, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
     return np.einsum('nji,nj->ni', T, chain.directions), np.array(robot.axes_data.prismatic)

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from robots_core.blocks.collision.farthest_vertices import MANY, Indices, farthest_vertices
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import Array, read_only
@@ -53,6 +54,12 @@ class Solid:
                 return vertices, 0.0, 0.0, 0.0
 
     @cached_property
+    def farthest(self) -> tuple[Indices, Indices] | None:
+        """See `farthest_vertices`; None if there are few."""
+        vertices = self.core[0]
+        return farthest_vertices(vertices) if self.convex and len(vertices) >= MANY else None
+
+    @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest corner in its own frame, (3,) each, m."""
         vertices, disc, half, radius = self.core
@@ -60,6 +67,25 @@ class Solid:
             corner = np.array([disc, disc, half])
             return -corner, corner
         return vertices.min(axis=0) - radius, vertices.max(axis=0) + radius
+
+    @cached_property
+    def ball(self) -> tuple[Array, float]:
+        """Centre (3,), which lies in the solid, and radius of a ball around it, in its own frame, m."""
+        core, disc, half, radius = self.core
+        if disc > 0.0:
+            return np.zeros(3), float(np.hypot(disc, half)) + radius
+        # A surface holds its points; a hull also their mean.
+        centre = core.mean(axis=0) if self.convex else core[0]
+        return centre, float(np.linalg.norm(core - centre, axis=1).max()) + radius
+
+    @cached_property
+    def reach(self) -> tuple[Array, float]:
+        """Eight points (8, 3) whose hull, grown by a radius, holds the solid, in its own frame, m."""
+        core, disc, _, radius = self.core
+        if self.convex and disc == 0.0 and len(core) <= len(BOX_CORNERS):
+            return np.resize(core, BOX_CORNERS.shape), radius  # fewer points are repeated
+        low, high = self.bounds
+        return 0.5 * (low + high) + BOX_CORNERS * (high - low), 0.0
 
     @cached_property
     def triangles(self) -> Array:

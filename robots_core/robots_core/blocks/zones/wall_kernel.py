@@ -14,7 +14,7 @@ from robots_core.validation import Array
 @compiled()
 def _behind(solids: SolidArrays, R: Array, t: Array, s: int, normals: Array, offsets: Array, k: int) -> float:
     """Distance of wall k from the point of a solid that is farthest along the wall's normal, m."""
-    vertices, corner, disc, half, radius, _ = solids[0]
+    vertices, corner, disc, half, radius = solids[0][:5]
     wall = row_of(normals, k)
     u, v, w = times(transposed(matrix_of(R[s])), wall)
     farthest = -inf
