@@ -15,7 +15,7 @@ Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems 
 All paths are timed alike, those of peers where their corners can be rounded freely. Peers have 2 s: OMPL of
 the processor, roboplan of the clock. Paths that collide, those of peers before they are rounded, are found by
 coal, posture by posture, at steps that move no point by more than `--dense` metres; our planner has no part
-in that. `deaf ms` is the longest time in which our planner does not look for a cancellation.
+in that. `to cancel ms` is the longest time in which our planner does not look for a cancellation.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ LONGEST_REACH = 1.3  # of a tool's tip, of the reach of the arm
 class Outcome:
     """What became of a problem: seconds of the CPU, and a path: postures (k, n) on it, and its timing.
 
-    `deaf` is the longest time without a look for a cancellation, s.
+    `to_cancel` is the longest time without a look for a cancellation, s.
     """
 
     seconds: float
     postures: np.ndarray | None = None
     trajectory: Trajectory | None = None
-    deaf: float = 0.0
+    to_cancel: float = 0.0
 
 
 def timing(robot: BaseRobotModel) -> TimeOptimalTiming:
@@ -80,9 +80,9 @@ def ours(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem)
     except PlanningError:
         return Outcome(time.process_time() - begin)
     end = time.process_time()
-    deaf = float(np.diff([begin, *looks, end]).max())
+    to_cancel = float(np.diff([begin, *looks, end]).max())
     postures = path.evaluate(np.linspace(0.0, 1.0, SAMPLES))[0]
-    return Outcome(end - begin, postures, timing(robot).trajectory(path), deaf)
+    return Outcome(end - begin, postures, timing(robot).trajectory(path), to_cancel)
 
 
 class CertifiedMotions(ob.MotionValidator):  # type: ignore[misc]
@@ -243,7 +243,7 @@ def figures(outcomes: list[Outcome], colliding: int, ours: list[Outcome]) -> tup
         f'{np.mean(durations):.2f}' if durations else '-',
         f'{np.mean(ratios):.2f}' if ratios else '-',
         f'{colliding}',
-        f'{1e3 * max(outcome.deaf for outcome in outcomes):.1f}' if outcomes is ours else '-',
+        f'{1e3 * max(outcome.to_cancel for outcome in outcomes):.1f}' if outcomes is ours else '-',
     )
 
 
@@ -273,7 +273,7 @@ def main() -> None:
         'duration s',
         'ours of it',
         'colliding',
-        'deaf ms',
+        'to cancel ms',
     )
     for row in rows(options):
         table.add_row(*row)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -34,6 +35,7 @@ from robots_core.errors import RobotsError
 PAGE_LANGUAGES: Final[Mapping[str, Language]] = {'en': 'en-US', 'de': 'de'}
 """Of what the browser and NiceGUI themselves say."""
 GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more
+ANSWERS_WITHIN: Final = 30.0  # s in which a browser that comes back answers
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
 TABS: Final = {
@@ -84,6 +86,8 @@ class PendantPage:
                     self._build_panels(folder)
         ui.on('pendant_hold', self._hold)
         ui.on('pendant_release', self._release)
+        self._connected_before = False
+        client.on_connect(self._on_connect)
         client.on_disconnect(self._on_disconnect)
         client.on_delete(lambda: operator.give_back_control(viewer.id))
         self.refresh()
@@ -142,6 +146,20 @@ class PendantPage:
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
+
+    async def _on_connect(self) -> None:
+        """Send everything again to a browser that comes back.
+
+        NiceGUI sends first what has changed meanwhile, then what the browser had missed before: old values
+        would stay. A browser has received all of that when it answers.
+        """
+        again, self._connected_before = self._connected_before, True
+        if not again:
+            return
+        with suppress(TimeoutError):  # the connection is lost again: the next one starts anew
+            await self._client.run_javascript('true', timeout=ANSWERS_WITHIN)
+            for element in list(self._client.elements.values()):
+                element.update()
 
     async def _on_disconnect(self) -> None:
         """Release at once; a page that does not come back soon was closed, and gives control back."""
