@@ -34,6 +34,36 @@ START = np.radians([-30.0, -70.0, 90.0, 0.0, 70.0, 0.0])
 SIDES = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-70.0, 70.0)])
 TARGET = np.radians([30.0, -70.0, 90.0, 0.0, 70.0, 0.0])
 
+ELSEWHERE = np.array(
+    [
+        [
+            -0.40865631366251465,
+            -1.1878505576519538,
+            1.425430873525403,
+            0.34537699177496517,
+            1.1391023321030262,
+            0.10710328615164316,
+        ],
+        [
+            -0.08374152096943059,
+            -1.2682597863287581,
+            1.160108232214112,
+            0.39190202224112863,
+            1.1645061662731926,
+            0.2295289231473753,
+        ],
+        [
+            0.19277219902324477,
+            -1.281884262154218,
+            1.1532673082027138,
+            0.047548623099349006,
+            1.2934029530567823,
+            0.16494066992177214,
+        ],
+    ]
+)
+"""Via postures of seed 2 around the post, recorded on other processors, rad."""
+
 
 @cache
 def robot() -> BaseRobotModel:
@@ -106,6 +136,12 @@ def test_the_same_motion_is_the_same_to_the_bit_and_another_seed_finds_another()
         np.testing.assert_array_equal(one, other)
     other = planner(around_post(), seed=1).joint_path(START, TARGET)
     assert not np.array_equal(first.q, other.q)
+
+
+def test_a_way_is_the_same_to_the_bit_on_every_machine():
+    generator = planner(detection_of(POST), seed=2)
+    generator.joint_path(START, TARGET)
+    np.testing.assert_array_equal(generator.via, ELSEWHERE)
 
 
 def test_random_numbers_are_those_that_are_published():
