@@ -73,6 +73,11 @@ def pytest_collection() -> Generator[None, Any, Any]:
         gc.enable()
 
 
+def pytest_unconfigure() -> None:
+    """What was frozen is looked through at the end: nanobind prints what was not."""
+    gc.unfreeze()
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Whole cells first in the share that each of the parallel processes begins with.
 

@@ -104,12 +104,12 @@ class JogPanel:
         self._rows: list[_Row] = []
         self._blocked: str | None = None
         self._build_rows()
-        self._target.element.set_visibility(False)
+        self._target.set_shown(shown=False)
         self._taught.element.set_visibility(False)
 
     def _choose(self, frame: str) -> None:
         typed = frame == TARGET
-        self._target.element.set_visibility(typed)
+        self._target.set_shown(shown=typed)
         self._rows_place.set_visibility(not typed)
         self._steps.set_visibility(not typed)
         self._taught.element.set_visibility(frame == 'taught')

@@ -143,6 +143,12 @@ class TargetPanel:
             )
         return float(field.value) / factor
 
+    def set_shown(self, *, shown: bool) -> None:
+        """Show the panel, or hide it and forget its target."""
+        self.element.set_visibility(shown)
+        if not shown:
+            self._forget()
+
     def refresh(self, state: PendantState) -> None:
         """Fill the fields with the first position that comes, and show the next position of a way around."""
         if self._around is not None:
