@@ -14,6 +14,7 @@ ACTION_LEAD: Final = 0.1  # s
 PERIOD: Final = 0.05  # s
 PERIODS: Final = (0.01, 0.4)  # s
 PERCENT: Final = 100.0
+BASE_FRAME: Final = 'base'
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,19 @@ class DriverActionSettings:
 
 
 @dataclass(frozen=True)
+class PrimitiveSettings:
+    """The action ExecuteMotionPrimitiveSequence of a driver.
+
+    Attributes:
+        name: Of the action.
+        frame: The robot's base, as the driver names it.
+    """
+
+    name: str
+    frame: str = BASE_FRAME
+
+
+@dataclass(frozen=True)
 class Driver:
     """Topics of a driver of ros2_control.
 
@@ -42,6 +56,8 @@ class Driver:
         full_speed: Value of that topic at full speed.
         running: `false` while the robot does not follow, after a stop of its own; '' for none.
         action: Where trajectories are sent to instead of the topic; None for the topic.
+        primitives: Where motions of robot programs are sent to, for the robot's own controller to plan; None
+            where the robot gets trajectories.
     """
 
     trajectory: str = TRAJECTORY
@@ -51,6 +67,7 @@ class Driver:
     full_speed: float = PERCENT
     running: str = ''
     action: DriverActionSettings | None = None
+    primitives: PrimitiveSettings | None = None
 
 
 def read_driver(path: Path | str) -> Driver:
@@ -60,6 +77,7 @@ def read_driver(path: Path | str) -> Driver:
         InvalidInputError: a file that is missing or describes no driver; names the file and the line.
     """
     section = read_yaml(path)
+    primitives = _primitives(section)
     scaling = section.section('speed_scaling')
     action = _action(section)
     lead = section.number('lead', ACTION_LEAD if action else LEAD, low=LEADS[0], high=LEADS[1])
@@ -75,6 +93,7 @@ def read_driver(path: Path | str) -> Driver:
         full_speed=PERCENT if scaling is None else scaling.number('full', PERCENT, low=1e-3),
         running=_topic(section, 'running') if 'running' in section else '',
         action=action,
+        primitives=primitives,
     )
     if scaling is not None:
         scaling.finish()
@@ -92,6 +111,20 @@ def _action(section: YamlSection) -> DriverActionSettings | None:
         _topic(action, 'name'), action.number('period', PERIOD, low=PERIODS[0], high=PERIODS[1])
     )
     action.finish()
+    return found
+
+
+def _primitives(section: YamlSection) -> PrimitiveSettings | None:
+    primitives = section.section('primitives')
+    if primitives is None:
+        return None
+    for key in ('trajectory', 'action', 'lead', 'speed_scaling'):
+        if key in section:
+            raise section.error(
+                f'{key} is of drivers that take trajectories; with `primitives` it has no use', key
+            )
+    found = PrimitiveSettings(_topic(primitives, 'name'), primitives.text('frame', BASE_FRAME))
+    primitives.finish()
     return found
 
 

@@ -11,12 +11,14 @@ import numpy as np
 
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_planning.motion_kinds import JOINT, MotionKind
+from robots_core.validation import Array
+from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.motion_settings import RANGES, MotionSettings
 from robots_planning.trajectory_generators.base import Target, usable_fraction
 
 ARGUMENTS: Final = ('velocity', 'acceleration')
 """Names of what a primitive may have besides: of the tool (m/s, m/s^2), or of the fastest axis."""
+ARC_POSES: Final = 2  # a point on the way, and the end
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +37,41 @@ class MotionPrimitive:
     target: Target
     blend_radius: float
     arguments: Mapping[str, float]
+
+    @classmethod
+    def commanded(
+        cls, robot: BaseRobotModel, kind: MotionKind, target: Target, settings: MotionSettings
+    ) -> MotionPrimitive:
+        """The primitive of a motion with its settings, the inverse of `settings`.
+
+        Args:
+            robot: The robot.
+            kind: JOINT, LINE or CIRCLE; of others, JOINT_TO_POSE is a JOINT once its posture is known.
+            target: See `PathPlanning.plan`; poses in the robot's base.
+            settings: Those of the motion.
+
+        Raises:
+            InvalidInputError: a motion that is no primitive.
+        """
+        arc = kind is CIRCLE and isinstance(target, tuple) and len(target) == ARC_POSES
+        if kind not in {JOINT, LINE} and not arc:
+            raise InvalidInputError(
+                f'{kind.title} is no motion primitive; valid are {JOINT.title}, {LINE.title}, and '
+                f'{CIRCLE.title} with a point on the way and the end'
+            )
+        if kind.cartesian:
+            arguments = {
+                'velocity': settings.cartesian_speed,
+                'acceleration': settings.cartesian_acceleration,
+            }
+            return cls(kind, target, settings.blend_zone, arguments)
+        axes = robot.axes_data
+        arguments = {
+            'velocity': settings.speed_fraction * float(axes.velocity.max()),
+            'acceleration': settings.acceleration_fraction * float(axes.acceleration.max()),
+        }
+        radius = settings.joint_blend_zone * _farthest(robot, np.asarray(target), settings)
+        return cls(kind, target, min(radius, RANGES['blend_zone'][1]), arguments)
 
     def settings(self, robot: BaseRobotModel, modal: MotionSettings, *, last: bool) -> MotionSettings:
         """The settings to command it with.
@@ -86,7 +123,12 @@ class MotionPrimitive:
                 f'blend_radius = {radius:g} m of a joint motion needs joint_positions, not a pose'
             )
         q = robot.axes_data.check_position(np.asarray(self.target, dtype=np.float64), 'joint_positions')
-        J = robot.jacobian(q)
-        arm = robot.direct_kinematics(q)[1] @ modal.tool_pose.r
-        linear = J[:3] + np.cross(J[3:].T, arm).T
-        return min(radius / float(np.linalg.norm(linear, axis=0).sum()), RANGES['joint_blend_zone'][1])
+        return min(radius / _farthest(robot, q, modal), RANGES['joint_blend_zone'][1])
+
+
+def _farthest(robot: BaseRobotModel, q: Array, settings: MotionSettings) -> float:
+    """How far the tool moves at most, m, if no axis moves by more than 1 rad (m) from `q`, (n,)."""
+    J = robot.jacobian(q)
+    arm = robot.direct_kinematics(q)[1] @ settings.tool_pose.r
+    linear = J[:3] + np.cross(J[3:].T, arm).T
+    return float(np.linalg.norm(linear, axis=0).sum())

@@ -29,9 +29,16 @@ CRAWL = 'setOverride(0.002)\n'
 
 
 class ProgramCell(Bench):
-    """Everything from the program to the drives, in one process."""
+    """Everything from the program to the drives, in one process.
 
-    def __init__(self, runner: Any, folder: Path, **controller: Any) -> None:
+    Args:
+        runner: Spins all.
+        folder: Of the program.
+        driver: Driver file of a robot that takes primitives; '' for the planner and the controller.
+        controller: Parameters of controller_node.
+    """
+
+    def __init__(self, runner: Any, folder: Path, *, driver: str = '', **controller: Any) -> None:
         super().__init__(runner)
         self.folder = folder
         self._stamp = 0  # ns, of the newest reference that was collected
@@ -45,7 +52,7 @@ class ProgramCell(Bench):
         self.controller = self.start_node(
             ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT, **controller
         )
-        self.program = self.start_node(LuaProgramNode, robot_model=ROBOT)
+        self.program = self.start_node(LuaProgramNode, robot_model=ROBOT, driver=driver)
         self.planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.wait(lambda: self.references and self.planner._reference is not None, 'the robot')
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from robots_controller.live_cell.cell_graph import cell_graph
-from robots_core.errors import RobotsError
+from robots_core.errors import OptionError, RobotsError
 
 ROOT = Path(__file__).parents[2]
 PRESS = str(ROOT / 'programs' / 'io' / 'press_tending.yaml')
@@ -163,3 +163,16 @@ def test_the_opcua_server_has_a_process_of_its_own_and_settings_that_are_valid(t
     access.write_text('user: {}')
     with pytest.raises(RobotsError, match=r'access\.yaml:1'):
         cell_graph(robot='ur5e', opcua=4840, opcua_access=str(access))
+
+
+def test_a_driver_of_primitives_has_no_planner_and_no_controller_of_the_suite(tmp_path: Path):
+    (tmp_path / 'driver.yaml').write_text('primitives: {name: /driver/motion_sequence}\n')
+    driver = str(tmp_path / 'driver.yaml')
+    nodes = {node.name: node.parameters for node in cell_graph(robot='ur5e', driver=driver)}
+    assert nodes['lua_program_node']['driver'] == driver
+    assert nodes.keys() >= {'robot_state_node', 'direct_kinematics_node'}
+    assert not nodes.keys() & {'drive_node', 'hardware_node', 'controller_node', 'planning_node'}
+    for option in ({'guided': 'damped_least_squares'}, {'operating_mode': 'T1'}, {'tool_speed_limit': 0.5}):
+        (name,) = option
+        with pytest.raises(OptionError, match=f'excludes --{name.replace("_", "-")}'):
+            cell_graph(robot='ur5e', driver=driver, **option)

@@ -17,6 +17,10 @@ Configured = Callable[[PlanningError | None], None]
 class PlannerPort(Protocol):
     """The planner as a program's motions reach it. Results come back to `ProgramMotions.result`."""
 
+    @property
+    def name(self) -> str:
+        """The node or action that plans, for people."""
+
     def plans(self, command: MotionCommand) -> bool:
         """A planner takes motions of this kind."""
 
@@ -34,6 +38,13 @@ class PlannerPort(Protocol):
             settings: Values by parameter name, SI.
             done: Called with None, or why the planner refuses.
             moving: A motion was sent just now, which keeps the settings before these.
+        """
+
+    def flush(self, settings: Mapping[str, object]) -> None:
+        """No motion follows for now: a planner need not wait for one to blend into.
+
+        Args:
+            settings: Those of the last motion.
         """
 
     def next_id(self) -> str:

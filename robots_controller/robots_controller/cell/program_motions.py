@@ -16,7 +16,6 @@ from robots_core.motion_result import MotionResult
 LOST_TIMEOUT: Final = 2.0  # s
 # Motions on their way at once: fewer than the controller queues and than the middleware keeps of commands.
 MOST_SENT: Final = 50
-BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
 
 
 class ProgramMotions:
@@ -186,8 +185,7 @@ class ProgramMotions:
         if self._flush and not self._unsent and self._sent and not self._configuring and planner.configurable:
             self._flush = False
             last = next(reversed(self._sent.values()))
-            settings = {**last.settings, **dict.fromkeys(BLEND_ZONES, 0.0)}
-            planner.configure(settings, lambda _: None, moving=True)
+            planner.flush(last.settings)
 
     def _configured(self, command: MotionCommand, error: PlanningError | None) -> None:
         with self._lock:
@@ -213,10 +211,11 @@ class ProgramMotions:
         if not self._unsent or now - self._since < self._planner_timeout:
             return ''
         if self._configuring is not None:
-            return f'planning_node has not answered for {self._planner_timeout:g} s: is it still running?'
+            name = self._planner.name
+            return f'{name} has not answered for {self._planner_timeout:g} s: is it still running?'
         return (
             f'no node plans {self._unsent[0].kind.topic} within {self._planner_timeout:g} s: '
-            'planning_node is not running, or in another namespace'
+            f'{self._planner.name} is not running, or in another namespace'
         )
 
     def _unanswered(self, now: float) -> str:

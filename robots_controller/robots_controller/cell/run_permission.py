@@ -19,6 +19,8 @@ class RunPermission:
         self._mode: OperatingMode | None = None
         self.stop_reason = ''
         """The fault that stops the robot until it is reset; '' for none."""
+        self.remedy = 'controller_node/reset lets the robot move again'
+        """What ends the fault, for a person."""
         self.enabled = True
         """A person holds run, or run is not needed."""
 
@@ -40,7 +42,7 @@ class RunPermission:
             ProgramError: a fault stops the robot, or run is not held.
         """
         if self.stop_reason:
-            raise ProgramError(f'{self.stop_reason}; controller_node/reset lets the robot move again')
+            raise ProgramError(f'{self.stop_reason}; {self.remedy}')
         self._check_commander()
         if not self.enabled:
             raise ProgramError(

@@ -13,13 +13,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
 
-from robots_controller.cell.program_motions import BLEND_ZONES
 from robots_controller.client.connection import Connection
 from robots_controller.client.io_client import IoClient
 from robots_controller.client.motion import Motion
 from robots_controller.client.program_client import ProgramClient
 from robots_controller.nodes.ports.commanded_motions import commanded_motions
 from robots_controller.nodes.ports.planner_client import PlannerClient
+from robots_controller.program.modal_settings import BLEND_ZONES
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
 from robots_core.operating_modes import Commander

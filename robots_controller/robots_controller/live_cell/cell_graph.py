@@ -167,10 +167,20 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
+    primitives = False
     if driver:
-        read_driver(driver)
+        primitives = read_driver(driver).primitives is not None
         if lockstep or orbit:
             raise OptionError('a real robot (driver) excludes lock-step and orbits')
+    if primitives:
+        _check_for_primitives(
+            scene=scene,
+            guided=guided,
+            view=pendant,
+            operating_mode=operating_mode != OperatingMode.AUTOMATIC,
+            tool_speed_limit=tool_speed_limit,
+            goal_tolerance=goal_tolerance,
+        )
     check_one_guide(references or cabin, contact, orbit)
     if contact:
         read_contact(contact)
@@ -207,7 +217,7 @@ def cell_graph(
     access = read_access(host, password_file)
     page = {'host': access.host, 'password_file': password_file, 'recordings': str(record or 'out')}
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
-    return (
+    moving = (
         node('robots_core', 'hardware_node', rate=rate, driver=driver, **watched)
         if driver
         else node('robots_core', 'drive_node', **drives, **watched),
@@ -224,6 +234,9 @@ def cell_graph(
             **feedback,
         ),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
+    )
+    return (
+        *(() if primitives else moving),
         node(
             'robots_controller',
             'lua_program_node',
@@ -235,6 +248,7 @@ def cell_graph(
             debug_token=debug_token,
             payload=list(payload),
             fail_safe=fail_safe,
+            **({'driver': driver} if primitives else {}),
             **watched,
             **names,
         ),
@@ -258,6 +272,16 @@ def cell_graph(
         *([_pendant(robot, program, port, scene, page)] if pendant else []),
         *([_opcua(robot, program, opcua, opcua_access)] if opcua else []),
     )
+
+
+def _check_for_primitives(**options: object) -> None:
+    """Refuse what planner and controller of the suite would do, by the options' names."""
+    for name, value in options.items():
+        if value:
+            raise OptionError(
+                f'a driver of motion primitives (--driver) excludes --{name.replace("_", "-")}: the '
+                "robot's own controller plans and moves, without planning_node and controller_node"
+            )
 
 
 def _pendant(robot: str, program: str, port: int, scene: str, page: dict[str, str]) -> NodeDescription:

@@ -34,7 +34,9 @@ REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 POLL = 0.05  # s between looks at processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
-REPORTED_TOPICS = (*MOTION_TOPICS, 'command_state', 'digital_outputs', 'joint_reference', 'joint_states')
+REPORTED_TOPICS = ('command_state', 'digital_outputs', 'joint_states')
+CONTROLLED_TOPICS = (*REPORTED_TOPICS, *MOTION_TOPICS, 'joint_reference')
+"""The same where controller_node moves the robot."""
 
 
 class RunningCell:
@@ -132,7 +134,8 @@ class RunningCell:
     def _ready(self) -> bool:
         # Health changes with time, which stands still at the first instant of a lock-step run.
         ready = self._listener.held if self._options.lockstep else not self._waiting
-        if ready and (self._recorder is None or self._recorder.records(REPORTED_TOPICS)):
+        topics = CONTROLLED_TOPICS if 'controller_node' in self._processes.names else REPORTED_TOPICS
+        if ready and (self._recorder is None or self._recorder.records(topics)):
             return True
         if time.monotonic() - self._reported >= WAIT_REPORT:
             self._reported = time.monotonic()

@@ -1,7 +1,7 @@
 """Autostart: starts the program when everything that its motions need is there, however long that takes."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Protocol
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
@@ -18,50 +18,19 @@ REPORT_PERIOD: Final = 5.0  # s
 NEEDED: Final = ('planning_node', 'controller_node')
 
 
-class Autostart:
-    """Waits for planner and controller, and starts the program once in each launch.
-
-    A node that a supervisor restarts does not run its program: people near the robot do not expect it to
-    move then.
+class MotionReadiness:
+    """Whether planner and controller can move the robot.
 
     Args:
         node: The program's node.
         planner: Sends motions.
         controller: Sends requests to the controller.
-        start: Opens and runs the program.
-
-    Parameters:
-        autostart: It is wanted.
-        launch: Names the launch; '' for one that begins with this node.
     """
 
-    def __init__(
-        self,
-        node: RobotNode,
-        planner: PlannerClient,
-        controller: ControllerClient,
-        start: Callable[[], None],
-    ) -> None:
-        self._node, self._planner, self._controller, self._start = node, planner, controller, start
+    def __init__(self, node: RobotNode, planner: PlannerClient, controller: ControllerClient) -> None:
+        self._node, self._planner, self._controller = node, planner, controller
         self._controller_works = False
         self._troubles: dict[str, str] = {}
-        self._said, self._said_at = '', 0.0
-        wanted = node.parameter('autostart', False, 'open and run the program as soon as the robot can move')
-        launch = node.parameter('launch', '', 'autostart runs the program once for each of these names')
-        if not wanted:
-            return
-        try:
-            again = bool(launch) and not first_time(f'autostart {launch}')
-        except RobotsError as error:
-            node.journal.error(f'no autostart: {error}')
-            return
-        if again:
-            node.journal.warning(
-                'no autostart: this node has been started anew since the launch; ~/open and ~/run start '
-                'the program'
-            )
-            return
-        self._timer = node.create_timer(PERIOD, self._look)
         self._subscriptions = [
             subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
             subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
@@ -79,7 +48,8 @@ class Autostart:
                 well = status.level == DiagnosticStatus.OK
                 self._troubles[name] = '' if well else f'{name} ({status.message})'
 
-    def _missing(self) -> list[str]:
+    def missing(self) -> list[str]:
+        """What motions need and is not there, for people."""
         planner = self._planner
         present = {
             'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
@@ -88,14 +58,68 @@ class Autostart:
         missing = [name for name, there in present.items() if not there]
         return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
 
+    def close(self) -> None:
+        """Listen no longer."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+
+
+class Readiness(Protocol):
+    """What is watched until the robot can move."""
+
+    def missing(self) -> list[str]:
+        """What motions need and is not there, for people."""
+
+    def close(self) -> None:
+        """It is not watched any longer."""
+
+
+class Autostart:
+    """Waits until the robot can move, and starts the program once in each launch.
+
+    A node that a supervisor restarts does not run its program: people near the robot do not expect it to
+    move then.
+
+    Args:
+        node: The program's node.
+        readiness: Makes what is watched, if it is wanted.
+        start: Opens and runs the program.
+
+    Parameters:
+        autostart: It is wanted.
+        launch: Names the launch; '' for one that begins with this node.
+    """
+
+    def __init__(
+        self, node: RobotNode, readiness: Callable[[], Readiness], start: Callable[[], None]
+    ) -> None:
+        self._node, self._start = node, start
+        self._said, self._said_at = '', 0.0
+        wanted = node.parameter('autostart', False, 'open and run the program as soon as the robot can move')
+        launch = node.parameter('launch', '', 'autostart runs the program once for each of these names')
+        if not wanted:
+            return
+        try:
+            again = bool(launch) and not first_time(f'autostart {launch}')
+        except RobotsError as error:
+            node.journal.error(f'no autostart: {error}')
+            return
+        if again:
+            node.journal.warning(
+                'no autostart: this node has been started anew since the launch; ~/open and ~/run start '
+                'the program'
+            )
+            return
+        self._readiness = readiness()
+        self._timer = node.create_timer(PERIOD, self._look)
+
     def _look(self) -> None:
-        if missing := self._missing():
+        if missing := self._readiness.missing():
             text, now = f'autostart waits for {" and ".join(missing)}', self._node.now()
             if text != self._said or now - self._said_at >= REPORT_PERIOD:
                 self._said, self._said_at = text, now
                 self._node.journal.warning(text)
             return
         self._node.destroy_timer(self._timer)
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
+        self._readiness.close()
         self._start()

@@ -6,8 +6,9 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -22,11 +23,12 @@ from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.io.io_signals import LARGEST_INDEX
-from robots_controller.nodes.autostart import Autostart
+from robots_controller.nodes.autostart import Autostart, MotionReadiness
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.ports.controller_client import ControllerClient
 from robots_controller.nodes.ports.feedback_client import FeedbackClient
 from robots_controller.nodes.ports.lockstep_turns import LockstepTurns
+from robots_controller.nodes.ports.motion_ports import MotionPorts
 from robots_controller.nodes.ports.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.ports.planner_client import PlannerClient
 from robots_controller.nodes.ports.program_clock import ProgramClock
@@ -34,6 +36,7 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
+from robots_core.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.periodic.realtime import processor_share
@@ -47,6 +50,9 @@ from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
+
+if TYPE_CHECKING:
+    from robots_controller.nodes.ports.primitive_action import PrimitiveAction
 
 JOIN_TIMEOUT: Final = 5.0  # s
 DEBUG_PORTS: Final = (-1, PORTS[1])
@@ -90,21 +96,28 @@ class LuaProgramNode(RobotNode):
             "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
             read=parse_fail_safe,
         )
+        driver: Driver | None = self.parameter(
+            'driver',
+            '',
+            "driver of a robot that takes motion primitives (YAML); '' moves it by planning_node and "
+            'controller_node',
+            read=lambda path: read_driver(path) if path else None,
+        )
         axes = self.robot.axes_data
         self._command_state_publisher = make_publisher(self, String, 'command_state')
         self._guide_publisher = make_publisher(self, String, 'guide')
         self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
         self._print_logger = self.journal.get_child('print')
         self._feedback = FeedbackClient(self, axes.names)
-        self._planner = PlannerClient(self, axes.names)
-        self._controller = ControllerClient(self)
+        self._unguided = ''
+        ports = self._suite() if driver is None else self._driven(driver)
         self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
             self.robot,
             clock=ProgramClock(self) if self._turns is None else self._turns.clock,
             robot_port=self,
-            planner=self._planner,
-            controller=self._controller,
+            planner=ports.planner,
+            controller=ports.controller,
             observer=self,
             **sizes,
             io_labels=labels,
@@ -137,12 +150,9 @@ class LuaProgramNode(RobotNode):
             bounds=DEBUG_PORTS,
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
-        PathSwitchingMessages(self, self.host.switching, axes.names)
-        subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
-        self._controller.report_to(self.host, self._changed)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
         self._watchdog = watchdog_parameter(self)
-        HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
+        ports.report()
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._status_due = self.create_guard_condition(self._status_timer.reset)
         self._io = IoServices(self, self._program.io, self._on_inputs, channel_services=channel_services)
@@ -166,8 +176,30 @@ class LuaProgramNode(RobotNode):
         self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = self._serve_editors(port, token) if port else None
-        Autostart(self, self._planner, self._controller, self._start)
+        Autostart(self, ports.readiness, self._start)
         self.ready()
+
+    def _suite(self) -> MotionPorts:
+        """The robot moves by planning_node and controller_node."""
+        planner, controller = PlannerClient(self, self.robot.axes_data.names), ControllerClient(self)
+
+        def report() -> None:
+            PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
+            subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
+            controller.report_to(self.host, self._changed)
+            HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
+
+        return MotionPorts(planner, controller, report, lambda: MotionReadiness(self, planner, controller))
+
+    def _driven(self, driver: Driver) -> MotionPorts:
+        """The robot's own controller moves it."""
+        # Imported on demand: it loads the planners, which no other robot needs in this process.
+        module = import_module('robots_controller.nodes.ports.primitive_action')
+        action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback)
+        self._unguided = action.name
+        return MotionPorts(
+            action.motions, action.control, lambda: action.report_to(self.host), lambda: action
+        )
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
@@ -275,6 +307,8 @@ class LuaProgramNode(RobotNode):
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
+        if self._unguided and guide is not Guide.NONE:
+            raise ProgramError(f'{self._unguided} takes motion primitives, and cannot be guided')
         self._guide_publisher.publish(String(data=guide.value))
 
     # -- what the program does, from any thread -------------------------------------------------------

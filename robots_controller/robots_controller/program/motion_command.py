@@ -62,6 +62,16 @@ class MotionCommand:
     blend: float = 0.0
     switches: tuple[PathSwitch, ...] = ()
 
+    @property
+    def target(self) -> Array | Pose | tuple[Pose, ...]:
+        """What the kind of motion needs, see `PathPlanning.plan`."""
+        if self.q is not None:
+            return self.q
+        if self.path:
+            return self.path
+        assert self.pose is not None
+        return self.pose
+
 
 @dataclass(frozen=True)
 class OutputChange:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Final
 
 import numpy as np
 
 from robots_controller.cell.ports import Configured
 from robots_controller.control.control_loop import ControlLoop
+from robots_controller.program.modal_settings import PLANNING_NODE, motion_settings, without_blend
 from robots_controller.program.motion_command import MotionCommand
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record.cell_log import CellLog
@@ -20,7 +21,7 @@ from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.motion_settings import CHECKS, MotionSettings
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
@@ -67,6 +68,8 @@ class InProcessPlanner:
         self.on_settings: Callable[[MotionSettings], None] = lambda _: None
         """Gets the modal settings whenever they are set."""
 
+    name: Final = PLANNING_NODE
+
     # -- the program's end ----------------------------------------------------------------------------
 
     def plans(self, command: MotionCommand) -> bool:  # noqa: ARG002
@@ -85,6 +88,10 @@ class InProcessPlanner:
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:  # noqa: ARG002
         """See `PlannerPort`."""
         self._mail.append(partial(self._configure, dict(settings), done))
+
+    def flush(self, settings: Mapping[str, object]) -> None:
+        """See `PlannerPort`."""
+        self.configure(without_blend(settings), lambda _: None, moving=True)
 
     def next_id(self) -> str:
         """See `PlannerPort`; unique even while time stands still."""
@@ -168,28 +175,11 @@ class InProcessPlanner:
         self._cost.switch(before)
 
 
-def motion_settings(settings: Mapping[str, object]) -> MotionSettings:
-    """Modal settings that a program has changed, as planning_node would take them.
-
-    Raises:
-        PlanningError: it would refuse them.
-    """
-    for name, value in settings.items():
-        try:
-            CHECKS[name](value, name)
-        except RobotsError as error:
-            raise PlanningError(f'planning_node refuses the settings: {name}: {error}') from error
-    wanted: dict[str, Any] = dict(settings)
-    return MotionSettings(**wanted)
-
-
 def _target(command: MotionCommand) -> Target:
-    if command.q is not None:
-        return command.q
-    if command.path:
-        return tuple(_through_message(pose) for pose in command.path)
-    assert command.pose is not None
-    return _through_message(command.pose)
+    target = command.target
+    if isinstance(target, Pose):
+        return _through_message(target)
+    return tuple(map(_through_message, target)) if isinstance(target, tuple) else target
 
 
 def _through_message(pose: Pose) -> Pose:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from rclpy.task import Future
 from std_msgs.msg import Float64
@@ -15,7 +14,6 @@ from robots_core.ros.messages import NANOSECONDS, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
 from robots_planning.motion_primitives import MotionPrimitive
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.nodes.one_goal_server import (
@@ -26,51 +24,10 @@ from robots_planning.nodes.one_goal_server import (
     Outcome,
     resolve,
 )
+from robots_planning.nodes.primitive_messages import MOST, primitive_of
 
 ACTION: Final = 'execute_motion_primitive_sequence'
 FEEDBACK_PERIOD: Final = 0.05  # s
-MOST: Final = 255  # primitives; their index is one byte
-LINEAR_JOINT, LINEAR_CARTESIAN, CIRCULAR_CARTESIAN = 0, 50, 51
-TYPES: Final = {
-    LINEAR_JOINT: 'LINEAR_JOINT',
-    LINEAR_CARTESIAN: 'LINEAR_CARTESIAN',
-    CIRCULAR_CARTESIAN: 'CIRCULAR_CARTESIAN',
-}
-
-
-def primitive_of(message: Any, pose_of: Callable[[Any], Pose]) -> MotionPrimitive:
-    """The motion of a control_msgs/MotionPrimitive.
-
-    Args:
-        message: The primitive.
-        pose_of: Reads a PoseStamped.
-
-    Raises:
-        InvalidInputError: an unknown type, or targets that do not belong to it; names what is valid.
-    """
-    poses, positions = [pose_of(pose) for pose in message.poses], np.array(message.joint_positions)
-    arguments = {argument.name: argument.value for argument in message.additional_arguments}
-    if arguments.get('move_time') == 0.0:  # none, as for drivers
-        del arguments['move_time']
-    if message.type == LINEAR_JOINT and positions.size:
-        return MotionPrimitive(JOINT, positions, message.blend_radius, arguments)
-    if message.type in {LINEAR_JOINT, LINEAR_CARTESIAN} and len(poses) == 1:
-        kind = JOINT_TO_POSE if message.type == LINEAR_JOINT else LINE
-        return MotionPrimitive(kind, poses[0], message.blend_radius, arguments)
-    if message.type == CIRCULAR_CARTESIAN and len(poses) == 2:
-        end, via = poses
-        return MotionPrimitive(CIRCLE, (via, end), message.blend_radius, arguments)
-    if message.type not in TYPES:
-        known = ', '.join(f'{name} ({number})' for number, name in TYPES.items())
-        raise InvalidInputError(f'type {message.type} is not known; valid are {known}')
-    needed = {
-        LINEAR_JOINT: 'joint_positions or 1 pose',
-        LINEAR_CARTESIAN: '1 pose',
-        CIRCULAR_CARTESIAN: '2 poses, the end and a point on the way',
-    }[message.type]
-    raise InvalidInputError(
-        f'{TYPES[message.type]} needs {needed}, got {len(poses)} poses and {positions.size} joint_positions'
-    )
 
 
 class SequenceGoal(Goal):

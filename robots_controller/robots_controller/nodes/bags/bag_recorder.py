@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -23,6 +23,8 @@ from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
 from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+
+HIDDEN: Final = '/_'
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s
@@ -112,6 +114,8 @@ class BagRecorder(Node):
 
     def _records(self, topic: str) -> bool:
         known = topic.startswith((self._prefix, '/diagnostics', '/rosout'))
+        if HIDDEN in topic:  # as of actions, whose messages have no types of their own
+            return False
         return known and not (is_of_protocol(topic) or topic.endswith(f'/{HEARTBEAT}'))
 
     def _find_topics(self) -> None:

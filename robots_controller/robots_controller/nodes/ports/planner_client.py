@@ -3,13 +3,14 @@
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 
 from robots_controller.cell.ports import Configured
 from robots_controller.nodes.ports.planner_settings import PlannerSettings
+from robots_controller.program.modal_settings import PLANNING_NODE, without_blend
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
@@ -27,6 +28,8 @@ class PlannerClient(PlannerSettings):
         node: The node to publish from.
         joint_names: The robot's joints.
     """
+
+    name: Final = PLANNING_NODE
 
     def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
         super().__init__(node)
@@ -64,6 +67,10 @@ class PlannerClient(PlannerSettings):
         else:
             self._waiting.append(apply)
             self._turn.ask(self._node.now())
+
+    def flush(self, settings: Mapping[str, object]) -> None:
+        """See `PlannerPort`."""
+        self.configure(without_blend(settings), lambda _: None, moving=True)
 
     def _apply_waiting(self, _now: float) -> None:
         while self._waiting:

@@ -1,0 +1,24 @@
+"""MotionPorts: what moves the robot of a program."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robots_controller.cell.ports import ControllerPort, PlannerPort
+from robots_controller.nodes.autostart import Readiness
+
+
+@dataclass(frozen=True)
+class MotionPorts:
+    """The ports of a program's host to planner and controller.
+
+    Attributes:
+        planner: Plans motions.
+        controller: Follows them.
+        report: Begins to report to the host.
+        readiness: Makes what autostart waits for.
+    """
+
+    planner: PlannerPort
+    controller: ControllerPort
+    report: Callable[[], object]
+    readiness: Callable[[], Readiness]

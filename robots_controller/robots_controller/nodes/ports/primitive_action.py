@@ -1,0 +1,187 @@
+"""PrimitiveAction: sequences of motion primitives as goals of a driver's action."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Final
+
+from action_msgs.msg import GoalStatus
+from rclpy.action.client import ActionClient
+from rclpy.task import Future
+from std_msgs.msg import Bool
+
+from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.nodes.ports.feedback_client import FeedbackClient
+from robots_core.driver_file import Driver, PrimitiveSettings
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.ros.control_actions import action_type
+from robots_core.ros.qos import subscribe_any_state
+from robots_core.ros.robot_node import RobotNode
+from robots_core.validation import Array
+from robots_planning.motion_primitives import MotionPrimitive
+from robots_planning.nodes.primitive_messages import ACTION_TYPE, sequence_message
+
+ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal
+LOOK_PERIOD: Final = 0.02  # s
+STOPPED: Final = 'the robot has stopped by itself'
+
+
+class PrimitiveAction:
+    """See `PrimitiveDriver`: one goal at a time, in the executor's thread.
+
+    Args:
+        node: Owner.
+        driver: Its `primitives`, `joint_states` and `running`.
+        feedback: What the robot measures.
+
+    Raises:
+        InvalidInputError: control_msgs is not installed, the driver takes no primitives, or its joint states
+            are on another topic than the node's.
+    """
+
+    def __init__(self, node: RobotNode, driver: Driver, feedback: FeedbackClient) -> None:
+        self._node, self._feedback = node, feedback
+        self._settings = _primitives(node, driver)
+        self._action = action_type(ACTION_TYPE)
+        if self._action is None:
+            raise InvalidInputError(
+                f'action {self.name} needs control_msgs with {ACTION_TYPE}, which is not installed; install '
+                'it with ROS, or name the topic of a joint_trajectory_controller in the driver file'
+            )
+        self._client = ActionClient(node, self._action, self.name)
+        self._number = 0  # of the newest goal
+        self._handle: Any = None  # of the newest goal, while it runs
+        self._asked = math.inf  # s, since when the newest goal has no answer
+        self._canceling = False
+        self.motions = PrimitiveMotions(node.robot, self, self._measured)
+        self.control = PrimitiveControl(self.motions)
+        self._due = node.create_guard_condition(self.motions.step)
+        node.create_timer(LOOK_PERIOD, self._look)
+        self._running_topic = driver.running
+
+    def report_to(self, host: ProgramHost) -> None:
+        """Report to a program's host."""
+        self.motions.on_result, self.motions.switching = host.motions.result, host.switching
+        if self._running_topic:
+            host.permission.remedy = f'programs run again when {self._running_topic} is true'
+            subscribe_any_state(
+                self._node,
+                Bool,
+                self._running_topic,
+                lambda message: host.stop_changed('' if message.data else STOPPED),
+            )
+
+    def missing(self) -> list[str]:
+        """What motions need and is not there, for people."""
+        found = [] if self.served else [self.name]
+        return found if self._measured() is not None else [*found, 'joint_states of the driver']
+
+    # -- see `PrimitiveDriver` ------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """See `PrimitiveDriver`."""
+        return self._settings.name
+
+    @property
+    def served(self) -> bool:
+        """See `PrimitiveDriver`."""
+        return bool(self._client.server_is_ready())
+
+    def wake(self) -> None:
+        """See `PrimitiveDriver`."""
+        self._due.trigger()
+
+    def send(self, primitives: Sequence[MotionPrimitive]) -> None:
+        """See `PrimitiveDriver`."""
+        self._number += 1
+        self._canceling, self._asked = False, self._node.now()
+        goal = self._action.Goal(trajectory=sequence_message(primitives, self._settings.frame))
+        number = self._number
+        self._client.send_goal_async(goal, partial(self._advanced, number)).add_done_callback(
+            partial(self._answered, number)
+        )
+
+    def cancel(self) -> None:
+        """See `PrimitiveDriver`; a goal without an answer yet is canceled when it is accepted."""
+        self._canceling = True
+        if self._handle is not None:
+            self._handle.cancel_goal_async()
+
+    # -- the driver's answers -------------------------------------------------------------------------
+
+    def _measured(self) -> Array | None:
+        try:
+            newest = self._feedback.newest()
+        except RobotsError as error:
+            self._node.refuse('joint_states', error)
+            return None
+        return None if newest is None else newest.position
+
+    def _look(self) -> None:
+        if self._asked < math.inf and self._node.now() - self._asked > ANSWER_PATIENCE:
+            self._fail(f'{self.name} has not answered for {ANSWER_PATIENCE:g} s')
+        elif self._handle is not None and not self.served:
+            self._fail(f'{self.name} is not served any more')
+        self.motions.look(self._node.now())
+
+    def _answered(self, number: int, future: Future) -> None:
+        handle = future.result()
+        if number != self._number:  # given up meanwhile
+            if handle.accepted:
+                handle.cancel_goal_async()
+            return
+        self._asked = math.inf
+        if not handle.accepted:
+            self._fail(f'{self.name} has refused the motion')
+            return
+        self._handle = handle
+        handle.get_result_async().add_done_callback(partial(self._ended, number))
+        if self._canceling:
+            handle.cancel_goal_async()
+
+    def _advanced(self, number: int, message: Any) -> None:
+        if number == self._number and self._handle is not None:
+            self.motions.advanced(message.feedback.current_primitive_index)
+
+    def _ended(self, number: int, future: Future) -> None:
+        if number != self._number or self._handle is None:
+            return
+        self._handle = None
+        response = future.result()
+        result = response.result
+        if response.status == GoalStatus.STATUS_SUCCEEDED and not result.error_code:
+            self.motions.ended()
+        elif response.status == GoalStatus.STATUS_CANCELED:
+            self.motions.ended(canceled=True)
+        else:
+            text = result.error_string or f'code {result.error_code}'
+            self.motions.ended(f'{self.name} has ended the motion: {text}')
+
+    def _fail(self, reason: str) -> None:
+        """Give up the goal; one that may still run is canceled."""
+        self._number += 1
+        handle, self._handle, self._asked = self._handle, None, math.inf
+        if handle is not None:
+            handle.cancel_goal_async()
+        self.motions.ended(reason)
+
+    def close(self) -> None:
+        """Nothing was opened to be asked what is missing."""
+
+
+def _primitives(node: RobotNode, driver: Driver) -> PrimitiveSettings:
+    if driver.primitives is None:
+        raise InvalidInputError('driver: the file names no `primitives`; hardware_node moves such a robot')
+    if node.participant is not None:
+        raise InvalidInputError('driver: a real robot excludes lock-step')
+    own = node.resolve_topic_name('joint_states')
+    if own != driver.joint_states:
+        raise InvalidInputError(
+            f'driver: joint_states is {driver.joint_states}, and must be {own} with `primitives`: the nodes '
+            "of the cell read the driver's topic themselves; put the cell into its namespace"
+        )
+    return driver.primitives
