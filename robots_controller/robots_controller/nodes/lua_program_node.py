@@ -107,7 +107,6 @@ class LuaProgramNode(RobotNode):
         self._command_state_publisher = make_publisher(self, String, 'command_state')
         self._guide_publisher = make_publisher(self, String, 'guide')
         self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
-        self._print_logger = self.journal.get_child('print')
         self._feedback = FeedbackClient(self, axes.names)
         self._unguided = ''
         ports = self._suite() if driver is None else self._driven(driver)
@@ -172,6 +171,8 @@ class LuaProgramNode(RobotNode):
         }
         for name, handler in handlers.items():
             self.serve(name, partial(self._answer, name, handler))
+        # Of a node that is refused before, it would take the name from the next one when it is collected.
+        self._print_logger = self.journal.get_child('print')
         self.command_state(self._program.command_state)
         self.guide(Guide.NONE)
         host.reporter.report()
