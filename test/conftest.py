@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -39,7 +40,8 @@ AnyNode = TypeVar('AnyNode')
 
 WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
-CELLS = {'bag', 'cell', 'page'}  # folders of tests that start processes
+WAITING = {'bag', 'cell', 'node', 'page'}  # folders of tests that start nodes
+INTERLEAVED = 0.85  # part of the other tests of a share
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -79,20 +81,38 @@ def pytest_unconfigure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Whole cells first in the share that each of the parallel processes begins with.
+    """In the share that each of the parallel processes begins with, tests that wait stand between others.
 
-    They take up to half a minute each. Begun last, they would run on while other processes have nothing left
-    to do.
+    Whole cells and single nodes wait for each other most of the time, and take up to half a minute. While
+    one process waits, others compute. None of them stand in the last part of a share: begun last, they would
+    run on while other processes have nothing left to do.
     """
-    cells, others = (
-        [item for item in items if (item.path.parent.name in CELLS) is long] for long in (True, False)
+    processes = int(os.environ.get('PYTEST_XDIST_WORKER_COUNT', '1'))
+    waiting, others = (
+        [item for item in items if (item.path.parent.name in WAITING) is waits] for waits in (True, False)
     )
     items.clear()
-    for left in range(int(os.environ.get('PYTEST_XDIST_WORKER_COUNT', '1')), 0, -1):
-        for share in (cells, others):
-            size = len(share) // left
-            items += share[:size]
-            del share[:size]
+    modules, computing = _modules(waiting), _modules(others)
+    for number in range(processes):
+        share = slice(number, None, processes)
+        items += _interleaved(modules[share], computing[share])
+
+
+def _modules(items: list[pytest.Item]) -> list[list[pytest.Item]]:
+    return [[*tests] for _, tests in groupby(items, lambda item: item.path)]
+
+
+def _interleaved(waiting: list[list[pytest.Item]], others: list[list[pytest.Item]]) -> list[pytest.Item]:
+    """Modules that wait, with about equal numbers of other tests before each of them and more at the end."""
+    between = INTERLEAVED * sum(map(len, others)) / max(len(waiting), 1)
+    found: list[pytest.Item] = []
+    due = 0.0
+    for module in others:
+        while waiting and len(found) >= due:
+            due += between + len(waiting[0])
+            found += waiting.pop(0)
+        found += module
+    return found + [item for module in waiting for item in module]
 
 
 @pytest.fixture

@@ -34,6 +34,11 @@ class PrimitiveActionDouble:
             cancel_callback=self._cancel,
         )
 
+    @property
+    def busy(self) -> bool:
+        """A sequence is under way."""
+        return bool(self.goals) and not self._current.done()
+
     def end(self, how: str = 'succeed', code: int = 0, text: str = '') -> None:
         """End the sequence that runs: succeed, abort or canceled."""
         self._current.set_result((how, code, text))

@@ -41,7 +41,8 @@ class DrivenBench(LuaBench):
         message = JointState(
             name=list(self.node.robot.axes_data.names), position=doubles(self.node.robot.home)
         )
-        self.peer.create_timer(0.02, lambda: states.publish(message))
+        self.measures = True
+        self.peer.create_timer(0.02, lambda: states.publish(message) if self.measures else None)
 
     def start(self, text: str) -> None:
         self.driver.goals.clear()
@@ -119,6 +120,15 @@ def test_a_robot_that_stops_by_itself_ends_the_program(bench: DrivenBench) -> No
     bench.until_goal()
     bench.driver.end()
     bench.wait_for_state('FINISHED')
+
+
+def test_a_robot_that_measures_nothing_any_more_ends_the_program(bench: DrivenBench) -> None:
+    bench.start(MOVE)
+    bench.until_goal()
+    bench.measures = False
+    assert 'no joint_states for 2 s while the robot moves' in bench.wait_for_state('FAILED')['error']
+    bench.wait(lambda: not bench.driver.busy, 'the end of its goal')
+    bench.measures = True
 
 
 def test_nobody_guides_such_a_robot(bench: DrivenBench) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from robots_controller.cell.ports import Configured
 from robots_controller.cell.program_motions import LOST_TIMEOUT, MOST_SENT, ProgramMotions
+from robots_controller.program.modal_settings import without_blend
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -21,6 +22,8 @@ TIMEOUT = 5.0  # s
 
 class Cell:
     """Planner, controller and clock of a cell, and what becomes of its motions."""
+
+    name = 'planning_node'
 
     def __init__(self) -> None:
         self.time = 0.0
@@ -64,6 +67,9 @@ class Cell:
         if self.answers:
             self.settings = dict(settings)
             done(None)
+
+    def flush(self, settings: Mapping[str, object]) -> None:
+        self.configure(without_blend(settings), lambda _: None, moving=True)
 
     def next_id(self) -> str:
         return f'{len(self.sent) + 1}.0'

@@ -164,8 +164,8 @@ class PrimitiveMotions:
 
     def look(self, now: float) -> None:
         """Switch outputs on the path of the motion under way, by where the robot is; now in s."""
-        q = self._measured()
-        if self._moving and q is not None and self.switching is not None:
+        q = self._measured() if self._moving else None
+        if q is not None and self.switching is not None:
             self._progress = self._moving[0].planned.progress(q, self._progress)
             self.switching.progress(now, self._progress)
 

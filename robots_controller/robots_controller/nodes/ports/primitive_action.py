@@ -15,6 +15,7 @@ from std_msgs.msg import Bool
 from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.nodes.ports.feedback_client import FeedbackClient
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.control_actions import action_type
@@ -24,7 +25,7 @@ from robots_core.validation import Array
 from robots_planning.motion_primitives import MotionPrimitive
 from robots_planning.nodes.primitive_messages import ACTION_TYPE, sequence_message
 
-ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal
+ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal, and for joint_states while it runs
 LOOK_PERIOD: Final = 0.02  # s
 STOPPED: Final = 'the robot has stopped by itself'
 
@@ -56,6 +57,7 @@ class PrimitiveAction:
         self._handle: Any = None  # of the newest goal, while it runs
         self._asked = math.inf  # s, since when the newest goal has no answer
         self._canceling = False
+        self._heard: tuple[JointFeedback | None, float] = None, math.inf  # the newest, and since when, s
         self.motions = PrimitiveMotions(node.robot, self, self._measured)
         self.control = PrimitiveControl(self.motions)
         self._due = node.create_guard_condition(self.motions.step)
@@ -119,14 +121,18 @@ class PrimitiveAction:
         except RobotsError as error:
             self._node.refuse('joint_states', error)
             return None
+        if newest is not self._heard[0]:
+            self._heard = newest, self._node.now()
         return None if newest is None else newest.position
 
     def _look(self) -> None:
+        self.motions.look(self._node.now())
         if self._asked < math.inf and self._node.now() - self._asked > ANSWER_PATIENCE:
             self._fail(f'{self.name} has not answered for {ANSWER_PATIENCE:g} s')
         elif self._handle is not None and not self.served:
             self._fail(f'{self.name} is not served any more')
-        self.motions.look(self._node.now())
+        elif self._handle is not None and self._node.now() - self._heard[1] > ANSWER_PATIENCE:
+            self._fail(f'no joint_states for {ANSWER_PATIENCE:g} s while the robot moves')
 
     def _answered(self, number: int, future: Future) -> None:
         handle = future.result()
