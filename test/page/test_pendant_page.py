@@ -171,7 +171,7 @@ def test_the_way_around_an_obstacle_is_shown_before_the_robot_moves(
 
     wait(page, lambda: len(places()) > 3, 'the ghost on its way')
     panel.get_by_role('button', name='Axes').click()
-    wait(page, lambda: cell.calls[-1] == ('ghost', None), 'the end of the ghost')
+    wait(page, lambda: cell.calls[-1][0] == 'ghost' and cell.calls[-1][1] is None, 'the end of the ghost')
     operator.state = state
 
 
