@@ -3,7 +3,7 @@
 import time
 
 from robots_core.errors import NotNowError
-from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.realtime import processor_share_in_silence
 from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.timed_node import TimedNode
 
@@ -42,4 +42,5 @@ class FreshCommands:
             )
 
     def _missed(self, silence: float) -> bool:
-        return self._watchdog > 0.0 and silence * processor_share() > self._watchdog
+        # Looked at for every command: the share is read only after a silence.
+        return silence > self._watchdog > 0.0 and silence * processor_share_in_silence() > self._watchdog
