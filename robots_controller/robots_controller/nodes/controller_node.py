@@ -88,10 +88,8 @@ class ControllerNode(ManagedNode):
             bounds=(-1.0, 1.0),
         )
         watchdog = watchdog_parameter(self)
-        share, in_silence = (
-            {} if self.simulated_time else {'processor_share': one}
-            for one in (processor_share, processor_share_in_silence)
-        )
+        shares = (processor_share, processor_share_in_silence)
+        share, in_silence = ({} if self.simulated_time else {'processor_share': one} for one in shares)
         limit = self.parameter(
             'tool_speed_limit',
             0.0,
