@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rcl_interfaces.srv import GetParameters
+from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
@@ -21,6 +22,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
     diagnostic_values,
+    joint_state_message,
     motion_result_message,
     pose_stamped_message,
 )
@@ -414,6 +416,62 @@ def test_the_settings_are_published(ros_nodes: Any) -> None:
 def test_an_invalid_setting_at_start_is_reported(ros_nodes: Any) -> None:
     with pytest.raises(InvalidInputError, match='rotation_speed'):
         PlanningBench(ros_nodes, rotation_speed=-1.0)
+
+
+def test_what_was_commanded_before_the_planner_was_held_up_is_refused(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=0.2)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    publisher = bench.publisher('ptpjoint_joint', JointState)
+    stamps = [(10, 0), (0, 0)]  # one without a stamp too
+
+    def hold_up() -> None:  # in the executor's thread, so that no command is served meanwhile
+        for sec, nanosec in stamps:
+            message = joint_state_message(Time(sec=sec, nanosec=nanosec), bench.names, home + 0.1)
+            publisher.publish(message)
+        assert publisher.wait_for_all_acked(Duration(seconds=10.0))
+        bench.node.held_up(60.0)
+
+    once = bench.peer.create_guard_condition(hold_up)
+    once.trigger()
+    bench.wait(lambda: len(bench.results) >= len(stamps), 'the refusals')
+    assert {result.message for result in bench.results} == {
+        'planning_node was held up after this was commanded; command it again'
+    }
+    assert not bench.trajectories
+    bench.command('ptpjoint_joint', home + 0.1, 11)
+    bench.planned()
+
+
+def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=0.2)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    begun, goes_on = threading.Event(), threading.Event()
+    plan = bench.node.planner.planning.plan
+
+    def plan_late(*given: Any) -> Any:
+        begun.set()
+        assert goes_on.wait(60.0)
+        return plan(*given)
+
+    bench.node.planner.planning.plan = plan_late
+    id_ = bench.command('ptpjoint_joint', home + 0.1, 12)
+    assert begun.wait(60.0)
+    bench.node.held_up(60.0)
+    bench.wait(lambda: bench.node.planner._queue.failures, 'that it was held up')
+    goes_on.set()
+    assert 'of a planner that was held up' in bench.refusal(id_).message
+    assert not bench.trajectories
+
+
+def test_a_short_silence_of_the_planner_changes_nothing(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=10.0)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    bench.node.held_up(1.0)
+    bench.command('ptpjoint_joint', home + 0.1, 13)
+    bench.planned()
 
 
 def test_motions_of_a_controller_that_is_lost_are_ended(ros_nodes: Any) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.cell_port import DetachedCell
+from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
@@ -19,11 +20,12 @@ DEADLINE = 120.0  # s, for programs that should need milliseconds
 
 
 def cell_with(**functions: Callable[..., Any]) -> DetachedCell:
-    """A cell without a robot, except for some functions of its port."""
+    """A cell without a robot, except for some functions of its port, or of that of its robot."""
     cell = DetachedCell()
     for name, function in functions.items():
-        assert callable(getattr(cell, name)), name
-        setattr(cell, name, function)
+        port = cell.robot if hasattr(cell.robot, name) else cell
+        assert callable(getattr(port, name)), name
+        setattr(port, name, function)
     return cell
 
 
@@ -45,7 +47,11 @@ class LuaHost:
         self.spoken = threading.Semaphore(0)
         self._folder = folder
         self._robot: queue.SimpleQueue[int | None] = queue.SimpleQueue()
-        functions = {name: options.pop(name) for name in tuple(options) if hasattr(DetachedCell, name)}
+        functions = {
+            name: options.pop(name)
+            for name in tuple(options)
+            if hasattr(DetachedCell, name) or hasattr(ProgramRobot, name)
+        }
         self.program = LuaProgram(
             num_axes,
             cell_with(

@@ -11,7 +11,7 @@ import pytest
 
 from robots_core.periodic import realtime
 from robots_core.periodic.periodic_thread import PeriodicThread
-from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.realtime import processor_share, processor_share_in_silence
 
 # s; far more than a thread takes to start.
 PATIENCE = 20.0
@@ -82,6 +82,24 @@ def test_processes_share_the_processors_that_there_are(
     monkeypatch.setattr(realtime, 'LOAD', load)
     runnable = max(float(minute), int(now.partition('/')[0]) - 1)
     assert processor_share() == min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+
+
+def test_after_a_silence_the_threads_of_the_process_itself_do_not_count(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    load, tasks = tmp_path / 'loadavg', tmp_path / 'task'
+    load.write_text('0.50 0.00 0.00 21/200 4711\n')
+    for number, state in enumerate('R' * 20 + 'S' * 5):
+        (tasks / str(number)).mkdir(parents=True)
+        (tasks / str(number) / 'stat').write_text(f'{number} (a (thread)) {state} 1 1')
+    (tasks / 'ended').mkdir()
+    monkeypatch.setattr(realtime, 'LOAD', load)
+    monkeypatch.setattr(realtime, 'TASKS', tasks)
+    assert processor_share_in_silence() == 1.0
+    load.write_text('0.50 0.00 0.00 61/200 4711\n')
+    assert processor_share_in_silence() == (os.cpu_count() or 1) / 41.0
+    monkeypatch.setattr(realtime, 'TASKS', tmp_path / 'none')
+    assert processor_share_in_silence() == processor_share()
 
 
 def test_without_figures_each_process_has_a_processor(

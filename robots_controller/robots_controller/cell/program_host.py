@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
-from importlib import import_module
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
+from robots_controller.cell.measured_robot import MeasuredRobot
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
 from robots_controller.cell.program_motions import ProgramMotions
@@ -20,13 +19,12 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
 from robots_controller.program.clock import Clock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
-from robots_planning.motion_settings import NOTHING, MotionSettings
+from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
@@ -77,7 +75,8 @@ class ProgramHost:
     ) -> None:
         self.payload, self.simulated = payload, simulated
         self.clock = clock
-        self._robot, self._robot_port = robot, robot_port
+        self._robot_port = robot_port
+        self.robot: ProgramRobot = MeasuredRobot(robot, robot_port)
         self._controller, self._observer = controller, observer
         self.program = LuaProgram(
             robot.num_axes,
@@ -283,42 +282,6 @@ class ProgramHost:
             self.make_outputs_safe()
 
     # -- the program's cell ---------------------------------------------------------------------------
-
-    def joint_position(self) -> Array:
-        """See `CellPort`."""
-        return self._robot_port.joint_feedback().position
-
-    def joint_speeds(self) -> Array:
-        """See `CellPort`."""
-        velocity = self._robot_port.joint_feedback().velocity
-        if velocity is None:
-            raise ProgramError('the robot measures no joint speeds: its joint_states have no velocity')
-        return velocity
-
-    def joint_torques(self) -> Array:
-        """See `CellPort`."""
-        torque = self._robot_port.joint_feedback().torque
-        if torque is None:
-            raise ProgramError(
-                'the robot measures no torques: its joint_states have no effort; those of drives of level '
-                'rigid_body do'
-            )
-        return torque
-
-    def direct_kinematics(self, q: Array) -> Pose:
-        """See `CellPort`."""
-        return Pose(*self._robot.direct_kinematics(q))
-
-    def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
-        """See `CellPort`."""
-        wanted: dict[str, Any] = dict(settings)
-        q: Array = self._planning.reach(pose, near, MotionSettings(**wanted))
-        return q
-
-    @cached_property
-    def _planning(self) -> Any:
-        # Imported on demand: few programs ask for joint positions, and the planner takes long to load.
-        return import_module('robots_planning.pathplanning').PathPlanning(self._robot)
 
     def command(self, command: MotionCommand) -> None:
         """See `CellPort`."""

@@ -32,7 +32,7 @@ from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
-from robots_core.periodic.realtime import ask_for_realtime, processor_share
+from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
@@ -88,7 +88,8 @@ class ControllerNode(ManagedNode):
             bounds=(-1.0, 1.0),
         )
         watchdog = watchdog_parameter(self)
-        share = {} if self.simulated_time else {'processor_share': processor_share}
+        shares = (processor_share, processor_share_in_silence)
+        share, in_silence = ({} if self.simulated_time else {'processor_share': one} for one in shares)
         limit = self.parameter(
             'tool_speed_limit',
             0.0,
@@ -112,7 +113,7 @@ class ControllerNode(ManagedNode):
         every = 1 if self.simulated_time else rates.progress_every
         longest = math.inf if self.simulated_time or not watchdog else watchdog
         self._control = ControlLoop(
-            self._controller, rates, self, progress_every=every, watchdog=longest, **share
+            self._controller, rates, self, progress_every=every, watchdog=longest, **in_silence
         )
         self._zones.watch(self._control)
         self._health_every = cycles(rate, HEALTH_RATE)

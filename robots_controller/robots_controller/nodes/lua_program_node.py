@@ -39,7 +39,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.realtime import processor_share_in_silence
 from robots_core.ros.messages import (
     diagnostic_status,
     motion_result_from_message,
@@ -297,7 +297,7 @@ class LuaProgramNode(RobotNode):
 
     def held_up(self, silence: float) -> None:
         """The others have missed this node: its outputs have been made safe, and the robot was stopped."""
-        if self._watchdog and silence * processor_share() > self._watchdog:
+        if self._watchdog and silence * processor_share_in_silence() > self._watchdog:
             self.host.held_up(silence)
 
     # -- the program's robot, from its thread -----------------------------------------------------

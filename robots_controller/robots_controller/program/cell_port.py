@@ -1,14 +1,12 @@
 """CellPort: what a robot program needs of the cell that it runs in."""
 
-from collections.abc import Mapping
 from typing import Protocol
 
 from robots_controller.program.clock import Clock, WallClock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.program_robot import ProgramRobot, UnknownRobot
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
-from robots_core.pose import Pose
-from robots_core.validation import Array
 from robots_planning.motion_settings import NOTHING
 
 
@@ -22,50 +20,12 @@ class CellPort(Protocol):
     def clock(self) -> Clock:
         """The time that the program's waits take."""
 
-    def joint_position(self) -> Array:
-        """Measured joint positions, (n,), rad (m).
-
-        Raises:
-            RobotsError: no feedback.
-        """
-
-    def joint_speeds(self) -> Array:
-        """Measured joint velocities, (n,), rad/s (m/s).
-
-        Raises:
-            RobotsError: none are measured.
-        """
-
-    def joint_torques(self) -> Array:
-        """Measured torques of the motors, at the joints, (n,), N m (N).
-
-        Raises:
-            RobotsError: none are measured.
-        """
+    robot: ProgramRobot
+    """What the robot measures, and its kinematics."""
 
     @property
     def payload(self) -> tuple[float, ...]:
         """What the robot carries where the program does not set it: mass and centre of mass, kg and m."""
-
-    def direct_kinematics(self, q: Array) -> Pose:
-        """Pose of tool0 in the base frame for joint positions (n,).
-
-        Raises:
-            RobotsError: the kinematics are unknown.
-        """
-
-    def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
-        """Joint positions (n,) that a joint motion to a pose would lead to, rad (m).
-
-        Args:
-            pose: Of the tool, seen from the base that was set.
-            near: Joint positions (n,) to search from, rad (m).
-            settings: Modal settings that the program has changed.
-
-        Raises:
-            UnreachablePoseError: there are none inside the limits.
-            RobotsError: the kinematics are unknown.
-        """
 
     def command(self, command: MotionCommand) -> None:
         """Start a motion; the cell ends it with `LuaProgram.finish_motion`.
@@ -130,36 +90,17 @@ class DetachedCell(CellPort):
 
     def __init__(self) -> None:
         self._clock = WallClock()
+        self.robot: ProgramRobot = UnknownRobot()
 
     @property
     def clock(self) -> Clock:
         """The machine's monotonic time."""
         return self._clock
 
-    def joint_position(self) -> Array:
-        """Raises a ProgramError: nothing is measured."""
-        raise ProgramError('the position of the robot is not known here')
-
-    def joint_speeds(self) -> Array:
-        """Raises a ProgramError: nothing is measured."""
-        raise ProgramError('the speeds of the joints are not known here')
-
-    def joint_torques(self) -> Array:
-        """Raises a ProgramError: nothing is measured."""
-        raise ProgramError('the torques of the joints are not known here')
-
     @property
     def payload(self) -> tuple[float, ...]:
         """Nothing."""
         return NOTHING
-
-    def direct_kinematics(self, q: Array) -> Pose:  # noqa: ARG002
-        """Raises a ProgramError: there is no robot."""
-        raise ProgramError("the robot's kinematics are not known here")
-
-    def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:  # noqa: ARG002
-        """Raises a ProgramError: there is no robot."""
-        raise ProgramError("the robot's kinematics are not known here")
 
     @property
     def simulated(self) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 IDLE_LATENCY_DEVICE = Path('/dev/cpu_dma_latency')
 LOAD = Path('/proc/loadavg')
+TASKS = Path('/proc/self/task')
 
 
 def ask_for_realtime(priority: int) -> bool:
@@ -27,17 +28,35 @@ def ask_for_realtime(priority: int) -> bool:
     return True
 
 
-def processor_share() -> float:
-    """The share of a processor that each process gets that could run now, above 0 to 1.
+def processor_share(own: int = 1) -> float:
+    """The share of a processor that each thread gets that could run now, above 0 to 1.
 
     By the number of those that can run, now or in the last minute, whichever is more (Linux; elsewhere 1).
+
+    Args:
+        own: How many of those that can run now do not count.
     """
     try:
         minute, _, _, now, _ = LOAD.read_text().split()
     except OSError:
         return 1.0
-    runnable = max(float(minute), float(now.partition('/')[0]) - 1.0)  # without this one
+    runnable = max(float(minute), float(now.partition('/')[0]) - own)
     return min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+
+
+def processor_share_in_silence() -> float:
+    """The same, for a process that runs again after a silence: its own threads, which all can, do not count.
+
+    It takes 20 us for each of them.
+    """
+    return processor_share(max(1, sum(map(_runs, TASKS.iterdir())))) if TASKS.is_dir() else processor_share()
+
+
+def _runs(thread: Path) -> bool:
+    try:
+        return (thread / 'stat').read_text().rpartition(')')[2].split()[0] == 'R'
+    except OSError:  # it has ended
+        return False
 
 
 @contextmanager

@@ -22,7 +22,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.peers.identified_messages import identify, publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of
-from robots_core.ros.peers.publisher_names import PublisherNames
+from robots_core.ros.peers.publisher_names import PublisherNames, Sender
 from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
@@ -250,23 +250,24 @@ class RobotNode(TimedNode):
         self.create_timer(1.0 / rate, look, clock=clock)
 
     def create_subscription_with_sender(
-        self, msg_type: Any, topic: str, callback: Callable[[Any, str], None]
+        self, msg_type: Any, topic: str, callback: Callable[[Any, Sender], None]
     ) -> Any:
-        """Subscribe to commands of the suite; the callback gets the sender's full node name too.
+        """Subscribe to commands of the suite; the callback gets the sender too."""
 
-        The name is '' where the middleware does not identify publishers, and in lock-step.
-        """
-
-        def take(message: Any, sender: str) -> None:
+        def take(message: Any, sender: Sender) -> None:
             with self.refusing(topic, stream=False):
                 callback(message, sender)
 
         if self.participant is not None or not publishers_are_identified():
-            return super().create_subscription(msg_type, topic, lambda message: take(message, ''), COMMAND)
+            return super().create_subscription(
+                msg_type, topic, lambda message: take(message, Sender()), COMMAND
+            )
         senders = PublisherNames(partial(publishers_of, self, topic))
-        subscription = super().create_subscription(
-            msg_type, topic, lambda message, identity: take(message, senders.name(identity)), COMMAND
-        )
+
+        def take_identified(message: Any, identity: bytes) -> None:
+            take(message, Sender(senders.name(identity), subscription.identified.sent))
+
+        subscription: Any = super().create_subscription(msg_type, topic, take_identified, COMMAND)
         return identify(subscription)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:

@@ -64,6 +64,7 @@ class TimedNode(Node):
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
         self._running: list[Loop] = []
+        self._silence: Callable[[], float] = lambda: 0.0
         if follows_clock:
             self._clock_advanced = self.create_guard_condition(self._run_loops)
             self._jumps = on_clock_set(self.get_clock(), self._clock_advanced.trigger)
@@ -94,6 +95,14 @@ class TimedNode(Node):
         if self.context.ok():  # otherwise shut down from outside: the thread only noticed it first
             self.journal.fatal(f'internal error: {error!r}')
             self.context.try_shutdown()
+
+    def silence(self) -> float:
+        """How long the process has given no sign of life, s: after it was frozen, until the next one."""
+        return self._silence()
+
+    def gives_signs_of_life(self, silence: Callable[[], float]) -> None:
+        """Its process has a heartbeat, which has been silent for so long, s."""
+        self._silence = silence
 
     def held_up(self, silence: float) -> None:
         """The process gave no sign of life for so long (s), and runs again; from the heartbeat's thread."""

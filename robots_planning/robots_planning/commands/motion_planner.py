@@ -273,6 +273,10 @@ class MotionPlanner:
         if not self.motions:
             self._queue.fail('of the lost controller', self._port.time())
 
+    def held_up(self) -> None:
+        """Send nothing of what was commanded until now: others have missed the planner, and given it up."""
+        self.give_up('of a planner that was held up')
+
     def give_up(self, id_: str) -> None:
         """Send nothing of what was commanded until now; a motion that runs ends with its stop.
 

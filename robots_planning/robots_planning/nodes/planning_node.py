@@ -38,6 +38,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.peers.presence import publishers_of
+from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -57,6 +58,7 @@ from robots_planning.motion_settings import (
 )
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
+from robots_planning.nodes.fresh_commands import FreshCommands
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
 from robots_planning.nodes.trajectory_messages import trajectory_message
@@ -104,6 +106,9 @@ class PlanningNode(RobotNode):
                 read=one_of('new_command', NEW_COMMAND),
             )
         )
+        watchdog = watchdog_parameter(self)
+        self._fresh = FreshCommands(self, watchdog)
+        self._was_held_up = self.create_guard_condition(self.planner.held_up)
         self._commanders = CommanderWatch(self)
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
@@ -130,7 +135,7 @@ class PlanningNode(RobotNode):
         self.add_post_set_parameters_callback(self._on_settings)
         self._actions: list[FollowJointTrajectory | MotionPrimitiveSequence] = []
         self._serve_actions()
-        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_watched)
+        HeartbeatWatch(self, ['controller_node'], watchdog, self._on_controller_watched)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
@@ -191,7 +196,9 @@ class PlanningNode(RobotNode):
 
     # -- messages to the planner ---------------------------------------------------------------------
 
-    def _on_command(self, kind: MotionKind, read: Callable[[Any], Target], message: Any, sender: str) -> None:
+    def _on_command(
+        self, kind: MotionKind, read: Callable[[Any], Target], message: Any, sender: Sender
+    ) -> None:
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
@@ -203,11 +210,12 @@ class PlanningNode(RobotNode):
         read: Callable[[Any], Target],
         message: Any,
         id_: str,
-        sender: str,
+        sender: Sender,
     ) -> None:
-        commander = self._commanders.of_node(sender)
+        commander = self._commanders.of_node(sender.name)
         try:
             self._commanders.check(commander)
+            self._fresh.check(sender)
             target = read(message)
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
@@ -219,6 +227,11 @@ class PlanningNode(RobotNode):
             settings = of_pendant(settings, self._pendant)
         if not self.planner.command(id_, kind, target, settings):
             self.journal.warning(f'{kind.title}: command {id_} came twice, the second is ignored')
+
+    def held_up(self, silence: float) -> None:
+        """The others have missed this node, and have given up what they had commanded."""
+        if self._fresh.held_up(silence):
+            self._was_held_up.trigger()
 
     def _joints(self, message: JointState) -> Target:
         return joint_values(message.name, message.position, self._names, JOINT.topic)
@@ -234,8 +247,9 @@ class PlanningNode(RobotNode):
         self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is
         self.planner.reference_pose = self._pose(message)
 
-    def _on_trigger(self, message: Bool, sender: str) -> None:
-        self._commanders.check(self._commanders.of_node(sender))
+    def _on_trigger(self, message: Bool, sender: Sender) -> None:
+        self._commanders.check(self._commanders.of_node(sender.name))
+        self._fresh.check(sender)
         stamp = self.get_clock().now().to_msg()
         self._inbox.put(stamp, partial(self.planner.trigger, stamp_id(stamp), level=message.data))
 

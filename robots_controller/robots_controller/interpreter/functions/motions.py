@@ -190,7 +190,7 @@ class Motions(Family):
         if command.q is None:
             return command.pose
         try:
-            return self._run.target.seen(self._run.cell.direct_kinematics(command.q))
+            return self._run.target.seen(self._run.cell.robot.direct_kinematics(command.q))
         except RobotsError:  # a cell without kinematics; the motion itself needs none
             return None
 

@@ -66,7 +66,7 @@ class RunContext:
 
     def __post_init__(self) -> None:
         self.target = MotionTarget(self.cell)
-        self.guided = GuidedMotion(self.state, self.cell.joint_position, self.cell.guide)
+        self.guided = GuidedMotion(self.state, self.cell.robot.joint_position, self.cell.guide)
         self.pulses = OutputPulses(self.state, lambda index, value: self.set_output('digital', index, value))
         self.values = PersistentValues(self.view.values_file, kept=not self.cell.simulated)
         self.start = self.state.clock.now()
@@ -87,7 +87,7 @@ class RunContext:
 
     def tool_pose(self) -> Pose:
         """Where the tool is, seen from the base."""
-        return self.target.seen(self.cell.direct_kinematics(self.cell.joint_position()))
+        return self.target.seen(self.cell.robot.direct_kinematics(self.cell.robot.joint_position()))
 
     def set_output(self, kind: Kind, index: int, value: float) -> None:
         """Switch an output."""

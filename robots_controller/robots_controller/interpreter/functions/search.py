@@ -85,7 +85,7 @@ class Search(Family):
             index = int(fields['analog_input'])
             return Condition(lambda: not below <= run.input('analog', index) <= above)
         joint = int(fields['joint_torque']) - 1
-        return Condition(lambda: not below <= run.cell.joint_torques()[joint] <= above, LOOK_PERIOD)
+        return Condition(lambda: not below <= run.cell.robot.joint_torques()[joint] <= above, LOOK_PERIOD)
 
 
 def checked_condition(table: LuaTable, sizes: Sizes) -> dict[str, float]:

@@ -2,12 +2,26 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 PATIENCE: Final = 0.1  # s: a message may come before the name of its publisher's node
 LOOK_PERIOD: Final = 0.005  # s
 
 UNKNOWN: Final = 'an unknown node'
+
+
+@dataclass(frozen=True)
+class Sender:
+    """Where a message comes from.
+
+    Attributes:
+        name: The node's full name; '' where the middleware does not identify publishers, and in lock-step.
+        time: When it was sent, ns on the clock of the sender's system; 0 where that is not known.
+    """
+
+    name: str = ''
+    time: int = 0
 
 
 class PublisherNames:
