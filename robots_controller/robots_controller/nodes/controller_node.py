@@ -88,8 +88,7 @@ class ControllerNode(ManagedNode):
             bounds=(-1.0, 1.0),
         )
         watchdog = watchdog_parameter(self)
-        shares = (processor_share, processor_share_in_silence)
-        share, in_silence = ({} if self.simulated_time else {'processor_share': one} for one in shares)
+        share = {} if self.simulated_time else {'processor_share': processor_share}
         limit = self.parameter(
             'tool_speed_limit',
             0.0,
@@ -109,11 +108,14 @@ class ControllerNode(ManagedNode):
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
         rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
-        # In simulated time in every period: outputs are switched on the path by it.
-        every = 1 if self.simulated_time else rates.progress_every
-        longest = math.inf if self.simulated_time or not watchdog else watchdog
         self._control = ControlLoop(
-            self._controller, rates, self, progress_every=every, watchdog=longest, **in_silence
+            self._controller,
+            rates,
+            self,
+            # In simulated time in every period: outputs are switched on the path by it.
+            progress_every=1 if self.simulated_time else rates.progress_every,
+            watchdog=math.inf if self.simulated_time or not watchdog else watchdog,
+            processor_share=processor_share_in_silence,
         )
         self._zones.watch(self._control)
         self._health_every = cycles(rate, HEALTH_RATE)
