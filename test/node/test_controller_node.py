@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.duration import Duration
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
@@ -356,3 +357,22 @@ def test_a_fault_of_the_drives_stops_the_motion(
     assert not result.ok
     assert reason in result.message
     bench.until_standing()
+
+
+def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros_nodes: Any) -> None:
+    bench = ControllerBench(ros_nodes, watchdog=PATIENT)
+    before = bench.references[-1]
+
+    def hold_up() -> None:  # in the executor's thread, so that nothing is served meanwhile
+        bench.send(HOME, AWAY)
+        assert bench.trajectories.wait_for_all_acked(Duration(seconds=10.0))
+        bench.controller.held_up(60.0 * PATIENT)
+
+    once = bench.peer.create_guard_condition(hold_up)
+    once.trigger()
+    result = bench.result()
+    assert not result.ok
+    assert result.message == 'controller_node was held up after this was commanded; command it again'
+    np.testing.assert_array_equal(bench.references[-1], before)
+    bench.send(HOME, AWAY)
+    assert bench.result().ok

@@ -13,7 +13,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, UInt8MultiArray
-from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
@@ -27,9 +26,9 @@ from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergen
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.foreign_writers import ForeignWriters
-from robots_controller.nodes.ports.stream_messages import stream_point_from_message
+from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.watched_zones import WatchedZones
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
@@ -41,6 +40,7 @@ from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_message,
 )
+from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PRIORITIES
@@ -48,11 +48,8 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
-from robots_planning.verification import verify
 
 HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
@@ -130,14 +127,8 @@ class ControllerNode(ManagedNode):
         self._feedback = PolledSubscription(self, JointState, 'joint_states', raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
-        subscribe(
-            self,
-            JointTrajectory,
-            'joint_trajectory',
-            self._on_trajectory,
-            raw=True,
-            from_anyone=lambda raw: not SerializedTrajectory(raw).num_points,  # it stops
-        )
+        self._fresh = FreshCommands(self, watchdog)
+        TrajectoryIntake(self, self._control, self._fresh, self._publish_result)
         self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
         self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog, self._on_watched)
@@ -166,6 +157,10 @@ class ControllerNode(ManagedNode):
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
         )
+
+    def held_up(self, silence: float) -> None:
+        """The others have missed this node, and have given up the motions that it was sent."""
+        self._fresh.held_up(silence)
 
     def _take_over(self) -> None:
         """A controller that has taken the place of one that died lets nothing move before a reset."""
@@ -285,34 +280,6 @@ class ControllerNode(ManagedNode):
         return DiagnosticStatus.OK, 'ready'
 
     # -- the executor's thread -----------------------------------------------------------------------
-
-    def _on_trajectory(self, raw: bytes) -> None:
-        message = SerializedTrajectory(raw)
-        if not message.num_points:  # as in ros2_control: an empty trajectory stops
-            self._control.stop('stopped by an empty joint_trajectory')
-            return
-        id_ = message.id
-        if message.num_points == 1:
-            self._on_streamed_point(message.message, id_)
-            return
-        try:
-            trajectory, join = trajectory_from_message(message, self._names)
-            moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join != 0.0 else None
-            report = verify(trajectory, self.robot, torque=False, start_motion=moving)
-            if not report.ok:
-                raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
-            self._control.follow(trajectory, id_, join_time=join)
-        except RobotsError as error:
-            self._refuse_motion(id_, error)
-
-    def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
-        ros_time, now = self.get_clock().now().nanoseconds, self.now()
-        point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
-        self._control.stream(point, id_)
-
-    def _refuse_motion(self, id_: str, error: RobotsError) -> None:
-        self._publish_result(MotionResult.refused(id_, error))
-        self.journal.error(f'joint_trajectory: {error}')
 
     def _on_override(self, message: Float64) -> None:
         self._control.set_override(fraction(message.data, 'override'))

@@ -36,6 +36,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.peers.commander_watch import CommanderWatch
+from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.peers.publisher_names import Sender
@@ -58,7 +59,6 @@ from robots_planning.motion_settings import (
 )
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
-from robots_planning.nodes.fresh_commands import FreshCommands
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
 from robots_planning.nodes.trajectory_messages import trajectory_message

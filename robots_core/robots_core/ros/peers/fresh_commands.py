@@ -1,4 +1,4 @@
-"""FreshCommands: refuses what was commanded before the planner was held up."""
+"""FreshCommands: refuses what was commanded before a node was held up."""
 
 import time
 

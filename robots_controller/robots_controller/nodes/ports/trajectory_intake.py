@@ -1,0 +1,79 @@
+"""TrajectoryIntake: trajectories and points of streams as messages to the controller."""
+
+from collections.abc import Callable
+from typing import Any
+
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.nodes.ports.stream_messages import stream_point_from_message
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.ros.peers.fresh_commands import FreshCommands
+from robots_core.ros.peers.publisher_names import Sender
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.verification import verify
+
+
+class TrajectoryIntake:
+    """Takes `joint_trajectory`.
+
+    Args:
+        node: The controller's.
+        control: Follows what is valid.
+        fresh: Refuses what was sent before the node was held up.
+        publish: Publishes the results of motions that are refused.
+    """
+
+    def __init__(
+        self,
+        node: RobotNode,
+        control: ControlLoop,
+        fresh: FreshCommands,
+        publish: Callable[[MotionResult], None],
+    ) -> None:
+        self._node, self._control, self._fresh, self._publish = node, control, fresh, publish
+        self._names = list(node.robot.axes_data.names)
+        self._subscription: Any = subscribe(
+            node,
+            JointTrajectory,
+            'joint_trajectory',
+            self._take,
+            raw=True,
+            from_anyone=lambda raw: not SerializedTrajectory(raw).num_points,  # it stops
+        )
+
+    def _take(self, raw: bytes) -> None:
+        message = SerializedTrajectory(raw)
+        if not message.num_points:  # as in ros2_control: an empty trajectory stops
+            self._control.stop('stopped by an empty joint_trajectory')
+            return
+        identified = getattr(self._subscription, 'identified', None)
+        sender = Sender(time=0 if identified is None else identified.sent)
+        if message.num_points == 1:
+            self._fresh.check(sender)
+            self._stream(message.message, message.id)
+            return
+        try:
+            self._fresh.check(sender)
+            self._follow(message)
+        except RobotsError as error:
+            self._publish(MotionResult.refused(message.id, error))
+            self._node.journal.error(f'joint_trajectory: {error}')
+
+    def _follow(self, message: SerializedTrajectory) -> None:
+        trajectory, join = trajectory_from_message(message, self._names)
+        moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join != 0.0 else None
+        report = verify(trajectory, self._node.robot, torque=False, start_motion=moving)
+        if not report.ok:
+            raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
+        self._control.follow(trajectory, message.id, join_time=join)
+
+    def _stream(self, message: JointTrajectory, id_: str) -> None:
+        node = self._node
+        ros_time, now = node.get_clock().now().nanoseconds, node.now()
+        point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
+        self._control.stream(point, id_)
