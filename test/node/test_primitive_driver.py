@@ -43,6 +43,7 @@ class DrivenBench(LuaBench):
         )
         self.measures = True
         self.peer.create_timer(0.02, lambda: states.publish(message) if self.measures else None)
+        self.wait(self.node._feedback.newest, 'the first feedback')
 
     def start(self, text: str) -> None:
         self.driver.goals.clear()
@@ -80,7 +81,7 @@ def test_a_stop_cancels_the_goal(bench: DrivenBench) -> None:
     canceled = bench.driver.canceled
     assert bench.ask('stop').success
     bench.wait_for_state('STOPPED')
-    assert bench.driver.canceled == canceled + 1
+    bench.wait(lambda: bench.driver.canceled == canceled + 1, 'the cancellation')
 
 
 @pytest.mark.parametrize(
@@ -134,6 +135,18 @@ def test_a_robot_that_measures_nothing_any_more_ends_the_program(bench: DrivenBe
 def test_nobody_guides_such_a_robot(bench: DrivenBench) -> None:
     bench.start('followReference(1)')
     assert 'takes motion primitives, and cannot be guided' in bench.wait_for_state('FAILED')['error']
+
+
+def test_the_end_of_the_node_cancels_the_goal(ros_nodes: Any, control_msgs: None, tmp_path: Path) -> None:
+    del control_msgs
+    from control_msgs.action import ExecuteMotionPrimitiveSequence  # noqa: PLC0415  # built by the fixture
+
+    bench = DrivenBench(ros_nodes, tmp_path, ExecuteMotionPrimitiveSequence)
+    bench.start(MOVE)
+    bench.until_goal()
+    bench.wait(lambda: bench.node._ports.planner._driver._handle, 'that the goal is accepted')
+    ros_nodes.destroy(bench.node)
+    bench.wait(lambda: bench.driver.canceled, 'the cancellation')
 
 
 def test_a_driver_that_is_gone_ends_the_program(bench: DrivenBench) -> None:

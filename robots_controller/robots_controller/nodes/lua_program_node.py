@@ -96,20 +96,14 @@ class LuaProgramNode(RobotNode):
             "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
             read=parse_fail_safe,
         )
-        driver: Driver | None = self.parameter(
-            'driver',
-            '',
-            "driver of a robot that takes motion primitives (YAML); '' moves it by planning_node and "
-            'controller_node',
-            read=lambda path: read_driver(path) if path else None,
-        )
+        text = "driver that takes motion primitives (YAML); '' moves the robot by planner and controller"
+        driver = self.parameter('driver', '', text, read=lambda path: read_driver(path) if path else None)
         axes = self.robot.axes_data
         self._command_state_publisher = make_publisher(self, String, 'command_state')
         self._guide_publisher = make_publisher(self, String, 'guide')
         self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
         self._feedback = FeedbackClient(self, axes.names)
-        self._unguided = ''
-        ports = self._suite() if driver is None else self._driven(driver)
+        self._ports = ports = self._suite() if driver is None else self._driven(driver)
         self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
             self.robot,
@@ -197,10 +191,11 @@ class LuaProgramNode(RobotNode):
         # Imported on demand: it loads the planners, which no other robot needs in this process.
         module = import_module('robots_controller.nodes.ports.primitive_action')
         action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback)
-        self._unguided = action.name
-        return MotionPorts(
-            action.motions, action.control, lambda: action.report_to(self.host), lambda: action
-        )
+
+        def report() -> None:
+            action.report_to(self.host)
+
+        return MotionPorts(action.motions, action.control, report, lambda: action, action.cancel)
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
@@ -308,8 +303,9 @@ class LuaProgramNode(RobotNode):
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
-        if self._unguided and guide is not Guide.NONE:
-            raise ProgramError(f'{self._unguided} takes motion primitives, and cannot be guided')
+        planner = self._ports.planner
+        if guide is not Guide.NONE and not isinstance(planner, PlannerClient):
+            raise ProgramError(f'{planner.name} takes motion primitives, and cannot be guided')
         self._guide_publisher.publish(String(data=guide.value))
 
     # -- what the program does, from any thread -------------------------------------------------------
@@ -391,6 +387,7 @@ class LuaProgramNode(RobotNode):
         self._program.join(JOIN_TIMEOUT)
         self.host.make_outputs_safe()
         if self.context.ok():
+            self._ports.end()
             self._io.finish()
         # ROS drops the name of a logger with it, and a later node in this process may have the same name.
         self._print_logger = self.journal

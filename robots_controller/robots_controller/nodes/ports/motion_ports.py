@@ -16,9 +16,11 @@ class MotionPorts:
         controller: Follows them.
         report: Begins to report to the host.
         readiness: Makes what autostart waits for.
+        end: Ends what moves the robot, when the node ends.
     """
 
     planner: PlannerPort
     controller: ControllerPort
     report: Callable[[], object]
     readiness: Callable[[], Readiness]
+    end: Callable[[], object] = lambda: None
