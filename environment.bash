@@ -18,7 +18,7 @@ if [ -f "$ROS_DISTRO_SETUP" ]; then
   export PYTHONPATH="$_pinocchio/$(basename "$(dirname "$_packages")")/site-packages:$_packages${PYTHONPATH:+:$PYTHONPATH}"
   export LD_LIBRARY_PATH="$_pinocchio${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 fi
-export PATH="$_root/.venv/bin:$_root/install/robots_controller/lib/robots_controller:$PATH"
+export PATH="$_root/.venv/bin:$_root/install/robots_controller/lib/robots_controller:$_root/install/robots_core/lib/robots_core:$PATH"
 
 # The command line is completed by `robots` and by each command below it.
 case $- in

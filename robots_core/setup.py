@@ -28,6 +28,7 @@ setup(
             'dynamics_node = robots_core.nodes.dynamics_node:main',
             'hardware_node = robots_core.nodes.hardware_node:main',
             'inverse_kinematics_node = robots_core.nodes.inverse_kinematics_node:main',
+            'moveit_config = robots_core.moveit_config:main',
             'motion_cueing_node = robots_core.nodes.motion_cueing_node:main',
             'robot_state_node = robots_core.nodes.robot_state_node:main',
             'visualizer_node = robots_core.nodes.visualizer_node:main',

@@ -1,14 +1,19 @@
-"""Configuration of MoveIt: what it needs to plan for a robot of the suite that moves in a cell."""
+"""moveit_config: what MoveIt needs to plan for a robot of the suite that moves in a cell."""
 
+import argparse
+import sys
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 import yaml
 from lxml import etree
 
 from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of
-from robots_core.errors import UnreadableFileError
+from robots_core.errors import RobotsError, UnreadableFileError
+from robots_core.exit_codes import ExitCode
+from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 GROUP: Final = 'manipulator'
@@ -16,7 +21,7 @@ TIP: Final = 'tool0'
 ACTION: Final = 'follow_joint_trajectory'
 """Of planning_node, in the namespace of the cell."""
 
-_HEADER: Final = '# Made by `robots moveit_config`.\n'
+_HEADER: Final = '# Made by `moveit_config`.\n'
 
 
 def moveit_files(robot: BaseRobotModel) -> dict[str, str]:
@@ -135,3 +140,42 @@ def write_moveit_files(robot: BaseRobotModel, folder: Path) -> list[Path]:
     except OSError as error:
         raise UnreadableFileError(f'{folder} cannot be written: {error.strerror}') from error
     return paths
+
+
+def main() -> NoReturn:
+    """Run from the command line."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Write the files for a robot, and print their names.
+
+    Args:
+        arguments: Those of the command line.
+
+    Returns:
+        An exit code.
+    """
+    parser = argparse.ArgumentParser(
+        prog='moveit_config',
+        description='Write URDF, SRDF, limits, kinematics and controllers of a robot for MoveIt 2.',
+    )
+    parser.add_argument(
+        '--robot', required=True, metavar='NAME', help='name of a robot, or urdf:/path/to/robot.urdf'
+    )
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        metavar='FOLDER',
+        help='folder for the files; moveit_ROBOT by default',
+    )
+    options = parser.parse_args(arguments)
+    try:
+        robot = load_robot_model(options.robot)
+        for path in write_moveit_files(robot, options.output or Path(f'moveit_{robot.name}')):
+            print(path)
+    except RobotsError as error:
+        print(error.line_for_person, file=sys.stderr)
+        return ExitCode.BAD_INPUT
+    return ExitCode.OK

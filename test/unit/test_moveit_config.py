@@ -8,11 +8,10 @@ import pytest
 import yaml
 from lxml import etree
 
-from robots_controller.commands.command_table import MOVEIT_CONFIG
 from robots_core import available_robot_models, load_robot_model
 from robots_core.blocks import CollisionDetection
 from robots_core.exit_codes import ExitCode
-from robots_core.moveit_config import ACTION, moveit_files
+from robots_core.moveit_config import ACTION, moveit_files, run
 from robots_planning.nodes import follow_joint_trajectory
 
 
@@ -72,7 +71,7 @@ def test_pairs_of_links_are_checked_where_one_of_their_shapes_is(name: str):
 
 def test_the_command_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     folder = tmp_path / 'moveit'
-    assert MOVEIT_CONFIG.run(['ur5e', '--output', str(folder)]) == ExitCode.OK
+    assert run(['--robot', 'ur5e', '--output', str(folder)]) == ExitCode.OK
     names = ['joint_limits.yaml', 'kinematics.yaml', 'moveit_controllers.yaml', 'ur5e.srdf', 'ur5e.urdf']
     assert sorted(path.name for path in folder.iterdir()) == names
     assert str(folder / 'ur5e.srdf') in capsys.readouterr().out
@@ -81,10 +80,10 @@ def test_the_command_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ('arguments', 'message'),
     [
-        (['ur5'], "unknown robot 'ur5'; did you mean 'ur5e'?"),
-        (['ur5e', '--output', __file__], __file__),
+        (['--robot', 'ur5'], "unknown robot 'ur5'; did you mean 'ur5e'?"),
+        (['--robot', 'ur5e', '--output', __file__], __file__),
     ],
 )
 def test_mistakes(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]):
-    assert MOVEIT_CONFIG.run(arguments) == ExitCode.BAD_INPUT
+    assert run(arguments) == ExitCode.BAD_INPUT
     assert message in capsys.readouterr().err

@@ -81,12 +81,6 @@ CHECK: Final = Command(
     'robots_controller.commands.robot_commands:check_robot',
     json=True,
 )
-MOVEIT_CONFIG: Final = Command(
-    'moveit_config',
-    'writes URDF, SRDF, limits, kinematics and controllers of a robot for MoveIt 2',
-    tool_arguments.moveit_config_arguments,
-    'robots_controller.commands.robot_commands:write_moveit_config',
-)
 MEASURE: Final = Command(
     'measure',
     'measures a tool or a base from taught points, or a payload from a recorded motion, and saves it by name',
@@ -101,7 +95,7 @@ EXPLAIN: Final = Command(
     'robots_controller.commands.error_catalogue:explain',
 )
 
-ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, MOVEIT_CONFIG, MEASURE, EXPLAIN)
+ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, MEASURE, EXPLAIN)
 """Commands that are there below `robots` alone."""
 TOOLS: Final = (CELL, SIMULATE, CHECK_PROGRAM, REPORT, STUDY, CHECK_BAG, REPLAY_BAG, LUA_META)
 """Commands that have executables of their own too."""

@@ -1,4 +1,4 @@
-"""robots list, show, check and moveit_config: which robots there are, and what is known of each."""
+"""robots list, show and check: which robots there are, and what is known of each."""
 
 import argparse
 import math
@@ -17,7 +17,6 @@ from robots_controller.terminal_table import Kind, TerminalTable
 from robots_core.errors import UnreadableFileError
 from robots_core.exit_codes import ExitCode
 from robots_core.files import is_file
-from robots_core.moveit_config import write_moveit_files
 from robots_core.robot_choice import URDF_PREFIX, XACRO_PREFIX, available_robot_models, load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh
@@ -102,18 +101,6 @@ def check_robot(options: argparse.Namespace, console: Console) -> int:
             'option strict=true refuses them'
         )
     return code
-
-
-def write_moveit_config(options: argparse.Namespace, console: Console) -> int:
-    """Write the configuration of MoveIt for a robot, and print the files' names; returns an exit code.
-
-    Raises:
-        RobotsError: the robot is unknown, or the folder cannot be written.
-    """
-    robot = load_robot_model(options.robot)
-    for path in write_moveit_files(robot, options.output or Path(f'moveit_{robot.name}')):
-        console.print(escape(str(path)))
-    return ExitCode.OK
 
 
 def _show(robot: BaseRobotModel, options: argparse.Namespace, console: Console) -> int:

@@ -154,18 +154,6 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def moveit_config_arguments(parser: argparse.ArgumentParser) -> None:
-    """The arguments of `robots moveit_config`."""
-    add_robot(parser, 'robot', 'name of a robot, or urdf:/path/to/robot.urdf')
-    parser.add_argument(
-        '-o',
-        '--output',
-        type=kinds.folder,
-        metavar='FOLDER',
-        help='folder for the files; moveit_ROBOT by default',
-    )
-
-
 def explain_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `robots explain`."""
     parser.add_argument('code', metavar='CODE', help='code at the end of an error, such as R101')
