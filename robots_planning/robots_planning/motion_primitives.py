@@ -19,6 +19,8 @@ from robots_planning.trajectory_generators.base import Target, usable_fraction
 ARGUMENTS: Final = ('velocity', 'acceleration')
 """Names of what a primitive may have besides: of the tool (m/s, m/s^2), or of the fastest axis."""
 ARC_POSES: Final = 2  # a point on the way, and the end
+MOST_PRIMITIVES: Final = 255
+"""Of a sequence: their index is one byte."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,10 +17,9 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.motion_primitives import MotionPrimitive
+from robots_planning.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
 
 STOPPED: Final = 'stopped'
-MOST: Final = 255  # primitives of a sequence; their index is one byte
 
 
 class PrimitiveDriver(Protocol):
@@ -68,8 +66,7 @@ class PrimitiveMotions:
     ) -> None:
         self._robot, self._driver, self._measured = robot, driver, measured
         self._planner = PrimitivePlanner(robot, driver.name)
-        self._lock = threading.Lock()
-        self._asked: deque[Callable[[], None]] = deque()
+        self._asked: deque[Callable[[], None]] = deque()  # by other threads
         self._settings: dict[str, object] = {}
         self._last_id = 0
         self._waiting: deque[_Motion] = deque()
@@ -150,8 +147,7 @@ class PrimitiveMotions:
         self._ask(change)
 
     def _ask(self, work: Callable[[], None]) -> None:
-        with self._lock:
-            self._asked.append(work)
+        self._asked.append(work)
         self._driver.wake()
 
     # -- the driver's end -----------------------------------------------------------------------------
@@ -202,8 +198,8 @@ class PrimitiveMotions:
         try:
             if start is None:
                 raise PlanningError('no joint_states received: is the driver running?')
-            if len(before) >= MOST:
-                raise PlanningError(f'a sequence has at most {MOST} primitives that blend')
+            if len(before) >= MOST_PRIMITIVES:
+                raise PlanningError(f'a sequence has at most {MOST_PRIMITIVES} primitives that blend')
             planned = self._planner.plan(command, settings, start)
         except RobotsError as error:
             self.on_result(MotionResult.refused(id_, error))

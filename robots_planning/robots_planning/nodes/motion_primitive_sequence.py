@@ -14,7 +14,7 @@ from robots_core.ros.messages import NANOSECONDS, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.motion_primitives import MotionPrimitive
+from robots_planning.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.nodes.one_goal_server import (
     INVALID_GOAL,
@@ -24,7 +24,7 @@ from robots_planning.nodes.one_goal_server import (
     Outcome,
     resolve,
 )
-from robots_planning.nodes.primitive_messages import MOST, primitive_of
+from robots_planning.nodes.primitive_messages import primitive_of
 
 ACTION: Final = 'execute_motion_primitive_sequence'
 FEEDBACK_PERIOD: Final = 0.05  # s
@@ -95,8 +95,10 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
 
     def _commands(self, messages: Any) -> list[tuple[MotionPrimitive, MotionSettings]]:
         """The motions with their settings, all checked before the first one begins."""
-        if not 0 < len(messages) <= MOST:
-            raise InvalidInputError(f'a sequence needs 1 to {MOST} primitives, got {len(messages)}')
+        if not 0 < len(messages) <= MOST_PRIMITIVES:
+            raise InvalidInputError(
+                f'a sequence needs 1 to {MOST_PRIMITIVES} primitives, got {len(messages)}'
+            )
         found = []
         for index, message in enumerate(messages):
             try:

@@ -14,7 +14,6 @@ from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
 from robots_planning.motion_primitives import MotionPrimitive
 
 ACTION_TYPE: Final = 'ExecuteMotionPrimitiveSequence'
-MOST: Final = 255  # primitives of a sequence; their index is one byte
 LINEAR_JOINT, LINEAR_CARTESIAN, CIRCULAR_CARTESIAN = 0, 50, 51
 TYPES: Final = {
     LINEAR_JOINT: 'LINEAR_JOINT',
