@@ -13,6 +13,7 @@ import numpy as np
 
 from printed_tables import machine, show
 from robots_core.robot_choice import load_robot_model
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 from ros_domains import reserved_domain
 
 from .judgement import judge
@@ -20,7 +21,7 @@ from .kept_faults import KeptFaults, Key
 from .observer import Observer
 from .summary import Fault, closing_line, missed_goals, summary
 from .surroundings import PROGRAMS, SURROUNDINGS, Surroundings
-from .trial import NotReadyError, Trial, random_trial, run_trial
+from .trial import NotReadyError, Trial, let_go_on, random_trial, run_trial
 
 MOST_STARTS = 5  # of one cell in a row
 
@@ -95,8 +96,8 @@ def _in_one_cell(
 def _while_usable(
     cell: Surroundings, trials: Sequence[Trial], environment: Mapping[str, str]
 ) -> Iterator[tuple[Trial, Fault]]:
-    robot = load_robot_model(cell.robot)
-    with Observer(robot, int(environment['ROS_DOMAIN_ID'])) as observer, cell:
+    robot, domain = load_robot_model(cell.robot), int(environment['ROS_DOMAIN_ID'])
+    with Observer(robot, domain) as observer, cell:
         for trial in trials:
             try:
                 recording = run_trial(trial, cell, observer)
@@ -104,11 +105,20 @@ def _while_usable(
                 print(f'{cell.name}: {error}', flush=True)
                 return
             figures = judge(recording, robot)
+            if not figures.usable and _usable_for_another(robot, domain):
+                print(f'{cell.name}: the observer had lost the cell, and another one had not', flush=True)
+                return  # the fault is tried again
             fault = Fault(cell.name, trial.node, trial.killed, figures)
             _tell(trial, fault, recording.reason)
             yield trial, fault
             if not figures.usable:
                 return
+
+
+def _usable_for_another(robot: BaseRobotModel, domain: int) -> bool:
+    """Whether a fresh observer can let the robot move: the middleware of the first one may have failed."""
+    with Observer(robot, domain) as another:
+        return let_go_on(another, 0.0) < np.inf
 
 
 def _tell(trial: Trial, fault: Fault, reason: str) -> None:
