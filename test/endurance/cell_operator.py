@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger
 
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
+from robots_core.ros.running.middleware import choose_transports
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from waiting import POLL, happens
 
@@ -26,6 +27,7 @@ class CellOperator:
     """
 
     def __init__(self, domain: int, name: str) -> None:
+        choose_transports()
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = Node(name, context=self._context)
