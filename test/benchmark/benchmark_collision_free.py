@@ -14,8 +14,8 @@ Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems 
 
 All paths are timed alike, those of peers where their corners can be rounded freely. Peers have 2 s: OMPL of
 the processor, roboplan of the clock. Paths that collide, those of peers before they are rounded, are found by
-coal, posture by posture, at steps that move no point by more than `--dense` metres; our planner has no part
-in that. `to cancel ms` is the longest time in which our planner does not look for a cancellation.
+Pinocchio's kinematics and coal, at steps that move no point by more than `--dense` metres; our planner has no
+part in that. `to cancel ms` is the longest time in which our planner does not look for a cancellation.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ import argparse
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -32,6 +31,7 @@ import ompl.base as ob
 import ompl.geometric as og
 import ompl.util as ou
 from collision_free_problems import FAMILIES, MARGIN, REACH, Problem, problems
+from pinocchio_bodies import PinocchioBodies
 from rich.console import Console
 from rich.table import Table
 from roboplan_peer import RoboplanPeer
@@ -48,6 +48,7 @@ from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
 BUDGET = 2.0  # s
 THINNEST = 0.005  # m, that OMPL's discrete checks shall not miss
+PEERS = 'OMPL', 'OMPL certified', 'roboplan'
 SAMPLES = 2001  # of our path; between them its curve is straight to a micrometre
 LONGEST_REACH = 1.3  # of a tool's tip, of the reach of the arm
 
@@ -180,27 +181,22 @@ def step_of(robot: BaseRobotModel) -> float:
 
 def collides(robot: BaseRobotModel, problem: Problem, postures: np.ndarray, dense: float) -> bool:
     """Whether coal finds a contact on a path, at steps that move no point by more than `dense`, m."""
-    detection = CollisionDetection(robot, scene=problem.scene, engine='coal')
-    for start, end in pairwise(postures):
-        travel = np.abs(end - start).sum()
-        count = int(np.ceil(travel * LONGEST_REACH * REACH[robot.name] / dense)) + 1
-        if any(detection.in_contact(q) for q in np.linspace(start, end, count)):
-            return True
-    return False
+    bodies = PinocchioBodies.of(robot, problem.scene)
+    return bodies.path_in_contact(postures, LONGEST_REACH * REACH[robot.name], dense)
 
 
 def planners_of(options: argparse.Namespace) -> dict[str, Callable[..., Outcome]]:
-    planners: dict[str, Callable[..., Outcome]] = {
-        'ours': ours,
-        'OMPL': lambda *given: with_ompl(*given, certified=False),
-        'OMPL certified': lambda *given: with_ompl(*given, certified=True),
-        'roboplan': with_roboplan,
-    }
+    peers: tuple[Callable[..., Outcome], ...] = (
+        lambda *given: with_ompl(*given, certified=False),
+        lambda *given: with_ompl(*given, certified=True),
+        with_roboplan,
+    )
+    chosen = {name: plan for name, plan in zip(PEERS, peers, strict=True) if name in options.planners}
     if options.optimise:
-        planners['OMPL best'] = lambda *given: with_ompl(*given, certified=True, optimise=options.optimise)
+        chosen['OMPL best'] = lambda *given: with_ompl(*given, certified=True, optimise=options.optimise)
     if options.prepare:
-        planners['OMPL PRM'] = lambda *given: with_ompl(*given, certified=True, prepare=options.prepare)
-    return planners
+        chosen['OMPL PRM'] = lambda *given: with_ompl(*given, certified=True, prepare=options.prepare)
+    return {'ours': ours} | chosen
 
 
 def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
@@ -254,6 +250,7 @@ def main() -> None:
     parser.add_argument('--dense', type=float, default=1e-4, help='step of the check with coal, m')
     parser.add_argument('--optimise', type=float, default=0.0, help='s that BIT* gets for each problem')
     parser.add_argument('--prepare', type=float, default=0.0, help='s that PRM gets for each cell before')
+    parser.add_argument('--planners', nargs='*', default=list(PEERS), choices=list(PEERS), help='which peers')
     parser.add_argument('--robots', nargs='+', default=list(REACH))
     parser.add_argument('--families', nargs='+', default=list(FAMILIES), choices=list(FAMILIES))
     options = parser.parse_args()

@@ -21,14 +21,13 @@ from typing import Any
 
 import fcl
 import numpy as np
-import pinocchio as pin
+from pinocchio_bodies import PinocchioBodies
 from rich.console import Console
 from rich.table import Table
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection, JointPath, Scene, read_scene
-from robots_core.blocks.collision.engine import CoalEngine, FclEngine
-from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.blocks.collision.engine import FclEngine
 
 SCENE = Path(__file__).parents[2] / 'programs' / 'scenes' / 'car_frame.yaml'
 CELLS = (('kuka_kr210_r2700', SCENE), ('kuka_kr210_r2700', None), ('ur5e', None), ('bello_bot', None))
@@ -74,29 +73,14 @@ def manager_check(detection: CollisionDetection) -> Check:
     return check
 
 
-def pinocchio_model(robot: BaseRobotModel, detection: CollisionDetection) -> tuple[Any, ...]:
-    """A Pinocchio model with the same bodies and pairs."""
-    model = pin.buildModelFromXML(pinocchio_xml(read_urdf_chain(robot.description)))
-    geometry = pin.GeometryModel()
-    table = detection._set
-    for k, solid in enumerate(table.solids):
-        placement = pin.SE3(solid.pose.T, solid.pose.r)
-        geometry.addGeometryObject(
-            pin.GeometryObject(f'{k}', solid.frame, placement, CoalEngine.geometry(solid))
-        )
-    for a, b in zip(table.first, table.second, strict=True):
-        geometry.addCollisionPair(pin.CollisionPair(int(a), int(b)))
-    return model, model.createData(), geometry, geometry.createData()
-
-
 def checks(robot: BaseRobotModel, scene: Scene) -> tuple[dict[str, Check], dict[str, Check]]:
     ours = {engine: CollisionDetection(robot, scene=scene, engine=engine) for engine in ('fcl', 'coal')}
-    bare = pinocchio_model(robot, ours['coal'])
+    bare = PinocchioBodies.of(robot, scene)
     contact: dict[str, Check] = {f'ours, {engine}': item.in_contact for engine, item in ours.items()}
     contact['fcl manager'] = manager_check(CollisionDetection(robot, scene=scene))
-    contact['Pinocchio'] = lambda q: pin.computeCollisions(*bare, q, True)
+    contact['Pinocchio'] = bare.in_contact
     distance: dict[str, Check] = {f'ours, {engine}': item.distance for engine, item in ours.items()}
-    distance['Pinocchio'] = lambda q: pin.computeDistances(*bare, q)
+    distance['Pinocchio'] = bare.closest_pair
     return contact, distance
 
 
