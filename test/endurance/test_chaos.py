@@ -169,6 +169,17 @@ def test_a_motion_that_nobody_commanded_is_named_and_one_that_somebody_did_is_no
         assert len(figures.problems) == problems
 
 
+def test_a_robot_that_stood_does_not_begin_what_was_planned_meanwhile() -> None:
+    still = motion(-1.0)
+    position, velocity = still.position.copy(), still.velocity.copy()
+    position[TIME > 2.0, 0] += 0.01
+    begun = replace(still, position=position, velocity=velocity)
+    for feedback, problems in ((still, 0), (begun, 1)):
+        figures = judge(recording(stop=np.inf, feedback=feedback, references=still), ROBOT)
+        assert not figures.stops
+        assert len(figures.problems) == problems
+
+
 def test_a_robot_that_no_reset_moves_again_is_not_usable() -> None:
     figures = judge(recording(moved=np.inf), ROBOT)
     assert missed_goals(figures) == ['usable']

@@ -10,10 +10,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
+from robots_controller.nodes.ports import trajectory_intake
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
@@ -234,6 +236,42 @@ def test_a_node_that_is_lost_brakes_on_the_path(ros_nodes: Any, name: str) -> No
         heartbeat = Heartbeat(node)
     bench.wait(lambda: bench.call('controller_node/reset').success, 'the reset')
     heartbeat.stop()
+
+
+def test_a_motion_of_a_program_that_is_lost_does_not_begin(
+    ros_nodes: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(trajectory_intake, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
+    bench = ControllerBench(ros_nodes, watchdog=1.0)
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context)))
+    bench.wait(lambda: 'lua_program_node' not in bench.controller.watch.unseen, 'its heartbeat')
+    request = SetBool.Request(data=True)
+    assert bench.call('controller_node/commander/program', request, SetBool).success
+    commanders = bench.collect('commander', String, EVERY_STATE, lambda message: message.data)
+    heartbeat.stop()
+    bench.wait(lambda: commanders[-1:] == ['NOBODY'], 'a robot that is free')
+    bench.send(HOME, AWAY)  # as a planner that has not noticed it yet
+    result = bench.result()
+    assert not result.ok
+    assert result.message.startswith('given up: no sign of life of lua_program_node')
+
+
+@pytest.mark.parametrize('how', ['service', 'an empty trajectory'])
+def test_a_stop_of_a_robot_that_stands_is_published_for_what_is_still_being_planned(
+    bench: ControllerBench, how: str
+) -> None:
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE)
+    bench.wait(lambda: stops, 'the state')
+    before = bench.controller.get_clock().now().nanoseconds
+    if how == 'service':
+        bench.ask('stop')
+    else:
+        bench.trajectories.publish(JointTrajectory())
+    bench.wait(lambda: len(stops) > 1, 'the stop')
+    assert (stops[-1].level, stops[-1].message.split(' ')[0]) == (DiagnosticStatus.OK, 'stopped')
+    assert float(diagnostic_values(stops[-1])['until']) >= 1e-9 * before
+    bench.send(HOME, AWAY)  # it is not latched
+    assert bench.result().ok
 
 
 @pytest.mark.parametrize('how', ['service', 'topic'])

@@ -15,19 +15,22 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
+from robots_core.operating_modes import Commander
 from robots_core.ros.messages import (
+    diagnostic_status,
     diagnostic_values,
     joint_state_message,
     motion_result_message,
     pose_stamped_message,
+    stamp_id,
 )
 from robots_core.ros.peers.heartbeat import Heartbeat
-from robots_core.ros.qos import STATE
+from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 from robots_planning import LinearCartesianLimited, MotionSettings, verify
 from robots_planning.motion_settings import settings_from_text
@@ -443,10 +446,8 @@ def test_what_was_commanded_before_the_planner_was_held_up_is_refused(ros_nodes:
     bench.planned()
 
 
-def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any) -> None:
-    bench = PlanningBench(ros_nodes, watchdog=0.2)
-    home = np.array(bench.robot.home)
-    bench.stand(home)
+def long_plan(bench: PlanningBench) -> tuple[threading.Event, threading.Event]:
+    """Plans that begin with the first event, and end after the second one."""
     begun, goes_on = threading.Event(), threading.Event()
     plan = bench.node.planner.planning.plan
 
@@ -456,13 +457,88 @@ def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any)
         return plan(*given)
 
     bench.node.planner.planning.plan = plan_late
+    return begun, goes_on
+
+
+def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=0.2)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    begun, goes_on = long_plan(bench)
     id_ = bench.command('ptpjoint_joint', home + 0.1, 12)
     assert begun.wait(60.0)
     bench.node.held_up(60.0)
     bench.wait(lambda: bench.node.planner._queue.failures, 'that it was held up')
     goes_on.set()
-    assert 'of a planner that was held up' in bench.refusal(id_).message
+    assert bench.refusal(id_).message == 'given up: the planner was held up'
     assert not bench.trajectories
+
+
+@pytest.mark.parametrize('how', ['its program is lost', 'the pendant takes the robot'])
+def test_what_is_planned_when_its_commander_loses_the_robot_is_not_sent(ros_nodes: Any, how: str) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=1.0)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    program = ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context))
+    heartbeat = Heartbeat(program)
+    commands = program.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
+    commander = bench.publisher('commander', String, STATE)
+    commander.publish(String(data='PROGRAM'))
+    bench.wait(lambda: bench.node.admission.commanders.commander is Commander.PROGRAM, 'the commander')
+    bench.wait(lambda: 'lua_program_node' not in bench.node.admission.watch.unseen, 'its heartbeat')
+    begun, goes_on = long_plan(bench)
+    commands.publish(joint_state_message(Time(sec=12), bench.names, home + 0.1))
+    assert begun.wait(60.0)
+    failures = bench.node.planner._queue.failures
+    if how == 'its program is lost':
+        heartbeat.stop()
+    else:
+        commander.publish(String(data='PENDANT'))
+    bench.wait(lambda: bench.node.planner._queue.failures > failures, 'that it is given up')
+    goes_on.set()
+    assert bench.refusal('12.000000000').message in {
+        'given up: no sign of life of lua_program_node for 1 s: is it still running?',
+        'given up: PENDANT has taken the robot',
+    }
+    assert not bench.trajectories
+    heartbeat.stop()
+
+
+def test_what_is_planned_when_the_robot_is_stopped_is_not_sent_and_what_comes_later_is(
+    ros_nodes: Any,
+) -> None:
+    bench = PlanningBench(ros_nodes)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    begun, goes_on = long_plan(bench)
+    id_ = bench.command('ptpjoint_joint', home + 0.1, 12)
+    assert begun.wait(60.0)
+    until = bench.node.time()
+    later = bench.command('ptpjoint_joint', home + 0.1, 13)
+    bench.wait(lambda: bench.node.planner.knows(later), 'the second command')
+    stop = diagnostic_status('stop', 'stopped by ~/stop', hardware_id='', until=f'{until:.9f}')
+    bench.publish('stop_status', stop, STATE)
+    bench.wait(lambda: bench.node.planner._queue.failures, 'that it is given up')
+    goes_on.set()
+    assert bench.refusal(id_).message == 'given up: stopped by ~/stop'
+    bench.planned()
+    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == [later]
+
+
+def test_a_commander_that_takes_the_robot_keeps_what_it_has_commanded(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes)
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    program = ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context))
+    commands = program.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
+    commander = bench.publisher('commander', String, STATE)
+    begun, goes_on = long_plan(bench)
+    commands.publish(joint_state_message(Time(sec=12), bench.names, home + 0.1))
+    assert begun.wait(60.0)
+    commander.publish(String(data='PROGRAM'))  # it comes on another topic than the command, and later
+    bench.wait(lambda: bench.node.admission.commanders.commander is Commander.PROGRAM, 'the commander')
+    goes_on.set()
+    bench.planned()
 
 
 def test_a_short_silence_of_the_planner_changes_nothing(ros_nodes: Any) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import STATE
+from robots_core.ros.timed_node import TimedNode
 
 from .lua_bench import MOVE, LuaBench, ignore
 
@@ -160,4 +162,28 @@ def test_a_program_whose_process_was_frozen_fails_and_leaves_its_outputs_safe(ro
     heartbeat.beat(1000.0)  # however many processes share the processors
     error = bench.wait_for_state('FAILED')['error']
     assert error.endswith('the program was held up for 1e+03 s; its outputs were made safe')
+    bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')
+
+
+@pytest.mark.parametrize('name', ['planning_node', 'controller_node'])
+def test_a_program_whose_robot_stands_fails_when_a_node_that_moves_it_is_lost(
+    ros_nodes: Any, tmp_path: Path, name: str
+):
+    bench = LuaBench(ros_nodes, tmp_path, watchdog=1.0)
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode(name, context=ros_nodes.context)))
+    bench.wait(lambda: name not in bench.node.watch.unseen, 'its heartbeat')
+    bench.start('setDigitalOutput(2, 1) wait(1000)')
+    bench.wait(lambda: bench.digital and bench.digital[-1][1] == 1, 'the output')
+    heartbeat.stop()
+    error = bench.wait_for_state('FAILED')['error']
+    assert f'no sign of life of {name} for 1 s' in error
+    bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')
+
+
+def test_outputs_of_no_program_are_safe_when_the_controller_is_lost(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path, watchdog=1.0, outputs=['digital_output.2=1'])
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode('controller_node', context=ros_nodes.context)))
+    bench.wait(lambda: 'controller_node' not in bench.node.watch.unseen, 'its heartbeat')
+    bench.wait(lambda: bench.digital and bench.digital[-1][1] == 1, 'the output')
+    heartbeat.stop()
     bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')

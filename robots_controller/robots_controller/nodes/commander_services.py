@@ -10,11 +10,11 @@ from std_srvs.srv import SetBool
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_controller.control.control_loop import ControlLoop
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.ros.peers.commander_watch import PENDANT_LOST_AFTER
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
-PENDANT_LOST_AFTER = 1.0  # s; without its run button the robot stands before
 COMMANDERS = tuple(commander for commander in Commander if commander is not Commander.NOBODY)
 
 
@@ -47,13 +47,20 @@ class CommanderServices:
         node: The controller's node.
         control: Its loop.
         on_mode: Called when the mode has changed.
+        on_lost: Called with the reason when the commander of the robot is lost.
         watched: Nodes are watched at all.
     """
 
     def __init__(
-        self, node: RobotNode, control: ControlLoop, on_mode: Callable[[], None], *, watched: bool = True
+        self,
+        node: RobotNode,
+        control: ControlLoop,
+        on_mode: Callable[[], None],
+        on_lost: Callable[[str], None],
+        *,
+        watched: bool = True,
     ) -> None:
-        self._node, self._control, self._on_mode = node, control, on_mode
+        self._node, self._control, self._on_mode, self._on_lost = node, control, on_mode, on_lost
         self._authority = control.controller.speed.authority
         self._commander_publisher = make_publisher(node, String, 'commander')
         self._mode_publisher = make_publisher(node, String, 'operating_mode')
@@ -72,11 +79,14 @@ class CommanderServices:
         """Motions of programs may continue, or wait."""
         self._enabled_publisher.publish(Bool(data=enabled))
 
-    def give_back(self, commander: Commander) -> None:
-        """A commander is gone: if it has the robot, the robot becomes free."""
-        if self._authority.commander is commander:
-            self._authority.give_back(commander)
-            self._publish()
+    def lose(self, commander: Commander, reason: str) -> bool:
+        """A commander is gone: if it has the robot, the robot becomes free; returns whether it had."""
+        if self._authority.commander is not commander:
+            return False
+        self._on_lost(reason)
+        self._authority.give_back(commander)
+        self._publish()
+        return True
 
     def _take(self, commander: Commander, taken: bool) -> str:  # noqa: FBT001  # the value of a SetBool
         try:
@@ -97,9 +107,8 @@ class CommanderServices:
         return f'{commander} commands the robot'
 
     def _on_pendant(self, _name: str, lost: str) -> None:
-        if lost and self._authority.commander is Commander.PENDANT:
+        if lost and self.lose(Commander.PENDANT, lost):
             self._control.stop(lost)
-            self.give_back(Commander.PENDANT)
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)

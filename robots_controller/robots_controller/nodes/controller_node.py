@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, UInt8MultiArray
 
-from robots_controller.control.control_loop import ControllerRequest, ControlLoop
+from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
@@ -123,12 +123,14 @@ class ControllerNode(ManagedNode):
         self._result_publisher = make_publisher(self, DiagnosticStatus, 'motion_result')
         self._drives_publisher = make_publisher(self, Bool, 'drives_on')
         self._stop_publisher = make_publisher(self, DiagnosticStatus, 'stop_status')
-        self._commanders = CommanderServices(self, self._control, self._change_caps, watched=watchdog > 0.0)
         self._feedback = PolledSubscription(self, JointState, 'joint_states', raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
         self._fresh = FreshCommands(self, watchdog)
-        TrajectoryIntake(self, self._control, self._fresh, self._publish_result)
+        intake = TrajectoryIntake(self, self._control, self._fresh, self._publish_result, self._report_stop)
+        self._commanders = CommanderServices(
+            self, self._control, self._change_caps, intake.lose_commander, watched=watchdog > 0.0
+        )
         self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
         self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog, self._on_watched)
@@ -237,6 +239,11 @@ class ControllerNode(ManagedNode):
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
         self._drives_publisher.publish(Bool(data=state.drives_on))
+        self._publish_stop(state)
+        if state.fault not in (None, Fault.DEACTIVATED) and state.drives_on:
+            self.journal.error(f'stopped: {state.reason}')
+
+    def _publish_stop(self, state: StopState, **values: str) -> None:
         self._stop_publisher.publish(
             diagnostic_status(
                 'stop',
@@ -244,10 +251,9 @@ class ControllerNode(ManagedNode):
                 level=DiagnosticStatus.ERROR if state.fault else DiagnosticStatus.OK,
                 hardware_id=self.robot_name,
                 **state.values,
+                **values,
             )
         )
-        if state.fault not in (None, Fault.DEACTIVATED) and state.drives_on:
-            self.journal.error(f'stopped: {state.reason}')
 
     def run_enabled(self, *, enabled: bool) -> None:
         """See `ControlPort`."""
@@ -310,7 +316,7 @@ class ControllerNode(ManagedNode):
         elif reason:
             self._control.trip(LOST_NODES[name], reason)
             if name == 'lua_program_node':
-                self._commanders.give_back(Commander.PROGRAM)
+                self._commanders.lose(Commander.PROGRAM, reason)
 
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(
@@ -343,7 +349,15 @@ class ControllerNode(ManagedNode):
 
     def _request(self, request: ControllerRequest, answer: str) -> str:
         self._control.request(request)
+        if request == 'stop':
+            self._report_stop(STOPPED)
         return answer
+
+    def _report_stop(self, reason: str) -> None:
+        """Publish a stop that is not latched: motions that are still being planned are given up too."""
+        if not self._controller.stops.latched:
+            until = self.get_clock().now().nanoseconds / NANOSECONDS
+            self._publish_stop(StopState(reason=reason), until=f'{until:.9f}')
 
     def _stop_before_collision(self) -> str:
         self._control.stop_before_collision()

@@ -182,7 +182,8 @@ class LuaProgramNode(RobotNode):
             PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
             subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
             controller.report_to(self.host, self._changed)
-            HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
+            nodes = ['planning_node', 'controller_node']
+            self.watch = HeartbeatWatch(self, nodes, self._watchdog, self._on_watched)
 
         return MotionPorts(planner, controller, report, lambda: MotionReadiness(self, planner, controller))
 
@@ -287,8 +288,11 @@ class LuaProgramNode(RobotNode):
         self.host.motions.result(motion_result_from_message(message))
         self._changed()
 
-    def _on_planner_watched(self, _: str, reason: str) -> None:
-        self.host.motions.lose_planner(reason)
+    def _on_watched(self, name: str, reason: str) -> None:
+        if name == 'planning_node':
+            self.host.motions.lose_planner(reason)
+        if reason and not self.host.lose_robot(reason) and name == 'controller_node':
+            self.host.make_outputs_safe()
 
     def held_up(self, silence: float) -> None:
         """The others have missed this node: its outputs have been made safe, and the robot was stopped."""

@@ -125,7 +125,7 @@ class CommandQueue:
         self._running: dict[str, RunningMotion] = {}
         self._given_up: dict[str, RunningMotion] = {}  # with one before them; the controller's answers come
         self._failed_at = -float('inf')
-        self._failed = ''
+        self._failed = ''  # why all is void that came before
         self._failures = 0
 
     # -- commands ------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ class CommandQueue:
         """Why commands are void; '' if they are not."""
         with self._lock:
             if min(command.received for command in commands) < self._failed_at:
-                return f'given up with motion {self._failed} before it, which did not reach its target'
+                return self._failed
             return ''
 
     def refused(self, id_: str) -> None:
@@ -224,7 +224,7 @@ class CommandQueue:
                 return self._given_up.pop(id_, None)
             self._forget(motion.ends)
             if not ok:
-                self._fail(id_, at)
+                self._fail(_given_up_with(id_), at)
             return motion
 
     def blocked(self, id_: str, progress: float) -> list[str] | None:
@@ -283,7 +283,12 @@ class CommandQueue:
     def fail(self, id_: str, at: float) -> None:
         """A motion that is not running goes nowhere: what was commanded until then, s, is void."""
         with self._lock:
-            self._fail(id_, at)
+            self._fail(_given_up_with(id_), at)
+
+    def give_up(self, reason: str, at: float) -> None:
+        """What was commanded until then, s, is void, for this reason."""
+        with self._lock:
+            self._fail(f'given up: {reason}', at)
 
     def forget(self) -> None:
         """The controller is gone and follows no motion."""
@@ -295,8 +300,8 @@ class CommandQueue:
         commands = (self._known.get(id_) for id_ in ids)
         return CommandChain(tuple(one for one in commands if one is not None), blocked=blocked)
 
-    def _fail(self, id_: str, at: float) -> None:
-        self._failed_at, self._failed = max(at, self._failed_at), id_
+    def _fail(self, reason: str, at: float) -> None:
+        self._failed_at, self._failed = max(at, self._failed_at), reason
         self._failures += 1
         self._give_up()
 
@@ -310,3 +315,7 @@ class CommandQueue:
         self._given_up |= self._running
         self._running.clear()
         self._stale.clear()
+
+
+def _given_up_with(id_: str) -> str:
+    return f'given up with motion {id_} before it, which did not reach its target'

@@ -271,19 +271,16 @@ class MotionPlanner:
         for motion in self.motions:
             self._port.answer(MotionResult(motion.id, ok=False, message=reason))
         if not self.motions:
-            self._queue.fail('of the lost controller', self._port.time())
+            self._queue.give_up(reason, self._port.time())
 
-    def held_up(self) -> None:
-        """Send nothing of what was commanded until now: others have missed the planner, and given it up."""
-        self.give_up('of a planner that was held up')
-
-    def give_up(self, id_: str) -> None:
+    def give_up(self, reason: str, until: float | None = None) -> None:
         """Send nothing of what was commanded until now; a motion that runs ends with its stop.
 
         Args:
-            id_: The command whose sender wants that.
+            reason: Why, for a person.
+            until: Send nothing of what was commanded before this time, s, instead.
         """
-        self._queue.fail(id_, self._port.time())
+        self._queue.give_up(reason, self._port.time() if until is None else until)
         self.release()
 
     def forget(self) -> None:

@@ -134,7 +134,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
 
     def _stop_goal(self, goal: SequenceGoal) -> None:
         if goal.open:
-            self._planner.give_up(goal.ids[0])
+            self._planner.give_up('its goal was stopped')
             self._stop_motion()
 
     def ended(self, result: MotionResult) -> None:

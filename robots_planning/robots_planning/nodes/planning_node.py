@@ -35,8 +35,6 @@ from robots_core.ros.messages import (
     pose_in_base,
     stamp_id,
 )
-from robots_core.ros.peers.commander_watch import CommanderWatch
-from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.peers.publisher_names import Sender
@@ -57,6 +55,7 @@ from robots_planning.motion_settings import (
     of_pendant,
     settings_as_text,
 )
+from robots_planning.nodes.command_admission import CommandAdmission
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
@@ -107,9 +106,8 @@ class PlanningNode(RobotNode):
             )
         )
         watchdog = watchdog_parameter(self)
-        self._fresh = FreshCommands(self, watchdog)
-        self._was_held_up = self.create_guard_condition(self.planner.held_up)
-        self._commanders = CommanderWatch(self)
+        self.admission = CommandAdmission(self, self.planner, watchdog)
+        """Of the commands."""
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
@@ -129,7 +127,7 @@ class PlanningNode(RobotNode):
             self,
             standing=self.planner.standing,
             busy=lambda: self.planner.moving,
-            commanders=self._commanders,
+            commanders=self.admission.commanders,
         )
         self._jogging.jogging.use_tool(self.planner.settings.tool_pose, self.planner.settings.hold)
         self.add_post_set_parameters_callback(self._on_settings)
@@ -155,7 +153,7 @@ class PlanningNode(RobotNode):
                     self,
                     action,
                     self.planner,
-                    check=partial(self._commanders.check, Commander.REMOTE),
+                    check=partial(self.admission.check, Commander.REMOTE),
                     pose_of=self._pose,
                     take=lambda act: self._inbox.put(self.get_clock().now().to_msg(), act),
                 )
@@ -212,10 +210,8 @@ class PlanningNode(RobotNode):
         id_: str,
         sender: Sender,
     ) -> None:
-        commander = self._commanders.of_node(sender.name)
         try:
-            self._commanders.check(commander)
-            self._fresh.check(sender)
+            commander = self.admission.check_sent(sender)
             target = read(message)
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
@@ -230,8 +226,7 @@ class PlanningNode(RobotNode):
 
     def held_up(self, silence: float) -> None:
         """The others have missed this node, and have given up what they had commanded."""
-        if self._fresh.held_up(silence):
-            self._was_held_up.trigger()
+        self.admission.held_up(silence)
 
     def _joints(self, message: JointState) -> Target:
         return joint_values(message.name, message.position, self._names, JOINT.topic)
@@ -248,8 +243,7 @@ class PlanningNode(RobotNode):
         self.planner.reference_pose = self._pose(message)
 
     def _on_trigger(self, message: Bool, sender: Sender) -> None:
-        self._commanders.check(self._commanders.of_node(sender.name))
-        self._fresh.check(sender)
+        self.admission.check_sent(sender)
         stamp = self.get_clock().now().to_msg()
         self._inbox.put(stamp, partial(self.planner.trigger, stamp_id(stamp), level=message.data))
 
@@ -365,7 +359,7 @@ class PlanningNode(RobotNode):
             self.thread_failed(error)
 
     def _send_given(self, make: Callable[[Array], Trajectory], id_: str) -> None:
-        self._commanders.check(Commander.REMOTE)
+        self.admission.check(Commander.REMOTE)
         self.planner.send_given(id_, make)
 
     # -- references ----------------------------------------------------------------------------------

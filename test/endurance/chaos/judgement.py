@@ -21,6 +21,7 @@ JUST_BEFORE: Final = 0.05  # s before the fault, in which the robot counts as mo
 OBSERVED: Final = 3.0  # s after the fault
 PERIOD: Final = 0.004  # s, of the references
 MOVED: Final = 1e-3  # rad (m): what a standing robot moves at most, as drives settle
+BEGUN: Final = 1.0  # s after the fault, in which a motion can begin and is stopped
 SETTLED: Final = 0.5  # s after the robot stands, after which it has settled
 
 
@@ -148,8 +149,10 @@ def _broken(recording: Recording, robot: BaseRobotModel) -> list[str]:
 
 def _unasked(recording: Recording, stands: float) -> list[str]:
     """Motions of a robot that stands, before a person commanded one."""
-    if not stands < np.inf or recording.node == 'drive_node':  # whose next process is another robot
+    if recording.node == 'drive_node' or recording.node not in STOPPING:  # its next process is another robot
         return []
+    if np.isnan(stands):  # it stood before: what was planned meanwhile may begin until the loss is noticed
+        stands = np.inf if recording.running else BEGUN
     rest = recording.feedback.between(stands + SETTLED, recording.commanded)
     if not rest.time.size:
         return []

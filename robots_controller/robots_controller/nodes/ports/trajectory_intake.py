@@ -1,13 +1,14 @@
 """TrajectoryIntake: trajectories and points of streams as messages to the controller."""
 
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.nodes.ports.stream_messages import stream_point_from_message
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, NotNowError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.publisher_names import Sender
@@ -16,6 +17,9 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.verification import verify
+
+STOPPED: Final = 'stopped by an empty joint_trajectory'
+GIVEN_UP_AFTER: Final = 0.5  # s, until the planner too has noticed that a commander is lost
 
 
 class TrajectoryIntake:
@@ -26,6 +30,7 @@ class TrajectoryIntake:
         control: Follows what is valid.
         fresh: Refuses what was sent before the node was held up.
         publish: Publishes the results of motions that are refused.
+        report_stop: Publishes a stop with its reason.
     """
 
     def __init__(
@@ -34,9 +39,12 @@ class TrajectoryIntake:
         control: ControlLoop,
         fresh: FreshCommands,
         publish: Callable[[MotionResult], None],
+        report_stop: Callable[[str], None],
     ) -> None:
-        self._node, self._control, self._fresh, self._publish = node, control, fresh, publish
+        self._node, self._control, self._fresh = node, control, fresh
+        self._publish, self._report_stop = publish, report_stop
         self._names = list(node.robot.axes_data.names)
+        self._lost, self._lost_until = '', -math.inf
         self._subscription: Any = subscribe(
             node,
             JointTrajectory,
@@ -46,10 +54,15 @@ class TrajectoryIntake:
             from_anyone=lambda raw: not SerializedTrajectory(raw).num_points,  # it stops
         )
 
+    def lose_commander(self, reason: str) -> None:
+        """Refuse motions for now: the planner may send one that the lost commander has commanded."""
+        self._lost, self._lost_until = reason, self._node.now() + GIVEN_UP_AFTER
+
     def _take(self, raw: bytes) -> None:
         message = SerializedTrajectory(raw)
         if not message.num_points:  # as in ros2_control: an empty trajectory stops
-            self._control.stop('stopped by an empty joint_trajectory')
+            self._control.stop(STOPPED)
+            self._report_stop(STOPPED)
             return
         identified = getattr(self._subscription, 'identified', None)
         sender = Sender(time=0 if identified is None else identified.sent)
@@ -59,6 +72,8 @@ class TrajectoryIntake:
             return
         try:
             self._fresh.check(sender)
+            if self._node.now() < self._lost_until:
+                raise NotNowError(f'given up: {self._lost}')
             self._follow(message)
         except RobotsError as error:
             self._publish(MotionResult.refused(message.id, error))

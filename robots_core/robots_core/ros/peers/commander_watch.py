@@ -1,5 +1,8 @@
 """CommanderWatch: the commander of the robot and the operating mode, as controller_node publishes them."""
 
+from collections.abc import Callable
+from typing import Final
+
 from std_msgs.msg import String
 
 from robots_core.blocks.following.guide import Guide
@@ -8,7 +11,8 @@ from robots_core.operating_modes import Commander, OperatingMode, check_command
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
-NODES = {'lua_program_node': Commander.PROGRAM, 'pendant_node': Commander.PENDANT}
+NODES: Final = {'lua_program_node': Commander.PROGRAM, 'pendant_node': Commander.PENDANT}
+PENDANT_LOST_AFTER: Final = 1.0  # s; without its run button the robot stands before
 
 
 class CommanderWatch:
@@ -16,9 +20,11 @@ class CommanderWatch:
 
     Args:
         node: The node that subscribes.
+        on_taken: Called when another commander has taken the robot.
     """
 
-    def __init__(self, node: RobotNode) -> None:
+    def __init__(self, node: RobotNode, on_taken: Callable[[], None] = lambda: None) -> None:
+        self._on_taken = on_taken
         namespace = node.get_namespace().rstrip('/')
         self._nodes = {f'{namespace}/{name}': commander for name, commander in NODES.items()}
         self.commander = Commander.NOBODY
@@ -55,7 +61,9 @@ class CommanderWatch:
         return self._nodes.get(name, Commander.REMOTE)
 
     def _on_commander(self, message: String) -> None:
-        self.commander = Commander(message.data)
+        before, self.commander = self.commander, Commander(message.data)
+        if self.commander not in (before, Commander.NOBODY):
+            self._on_taken()
 
     def _on_mode(self, message: String) -> None:
         self.mode = OperatingMode(message.data)
