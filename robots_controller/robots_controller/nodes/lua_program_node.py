@@ -184,7 +184,8 @@ class LuaProgramNode(RobotNode):
             controller.report_to(self.host, self._changed)
             HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
 
-        return MotionPorts(planner, controller, report, lambda: MotionReadiness(self, planner, controller))
+        readiness = partial(MotionReadiness, self, planner, controller)
+        return MotionPorts(planner, controller, report, readiness)
 
     def _driven(self, driver: Driver) -> MotionPorts:
         """The robot's own controller moves it."""
@@ -195,7 +196,7 @@ class LuaProgramNode(RobotNode):
         def report() -> None:
             action.report_to(self.host)
 
-        return MotionPorts(action.motions, action.control, report, lambda: action, action.cancel)
+        return MotionPorts(action.motions, action.control, report, lambda _: action, action.cancel)
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
