@@ -291,6 +291,42 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     wait(lambda: words[-1] == 0b10, what='fail-safe outputs at the end of the cell')
 
 
+FILES = {'program': 'far.lua', 'io': 'plc.yaml', 'scene': 'scene.yaml'}
+
+
+def test_a_cell_stops_without_the_node_of_its_emergency_stop_and_starts_with_its_collision_guard(
+    start_cell: StartCell, ros_nodes: Any, tmp_path: Path
+) -> None:
+    stops = collected(ros_nodes, 'stop_status', DiagnosticStatus, diagnostic_values)
+    wait = ros_nodes.wait_for
+    (tmp_path / 'plc.yaml').write_text(
+        'initial: {digital_input.2: on}\nemergency_stop: {digital_input.2: off}\n'
+    )
+    (tmp_path / 'scene.yaml').write_text(
+        'objects:\n  - {name: far, sphere: {radius: 0.1}, pose: {position: [9, 9, 9]}}\n'
+    )
+    (tmp_path / 'far.lua').write_text('setSpeed(0.001)\nptpJointSpaceAngles(0, -60, 60, 0, 45, 0)\n')
+    files = [f'--{option}={tmp_path / name}' for option, name in FILES.items()]
+    cell = start_cell('--robot', 'kuka_kr210_r2700', *files)
+    cell.until('PTPJOINT_JOINT to')
+    assert 'fault' not in wait(lambda: stops and stops[-1], what='the state')
+    os.kill(cell.node_pids()['plc_node'], signal.SIGKILL)
+    cell.until('plc_node is started again in 0.5 s')
+    wait(lambda: stops[-1].get('fault') == 'emergency inputs lost', what='the fault')
+    reset = ros_nodes.create_node('operator').create_client(Trigger, 'controller_node/reset')
+    wait(reset.service_is_ready, what='the service')
+
+    def answer() -> bool:
+        future = reset.call_async(Trigger.Request())
+        wait(future.done, what='the answer')
+        return future.result().success
+
+    wait(answer, what='a reset after the node has come back')
+    wait(lambda: 'fault' not in stops[-1], what='a robot that may move')
+    cell.interrupt()
+    assert cell.wait() == 130
+
+
 def test_nodes_that_share_a_process_come_back_together(start_cell: StartCell) -> None:
     cell = start_cell('--robot', 'bello_bot', '--composed')
     cell.until_ready()

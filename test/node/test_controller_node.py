@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -48,7 +50,13 @@ class ControllerBench(Bench):
     """A controller with its drive; the test sends trajectories."""
 
     def __init__(
-        self, runner: Any, *, feedback_timeout: float = PATIENT, watchdog: float = PATIENT, **drives: Any
+        self,
+        runner: Any,
+        *,
+        feedback_timeout: float = PATIENT,
+        watchdog: float = PATIENT,
+        controller: Mapping[str, Any] = MappingProxyType({}),
+        **drives: Any,
     ) -> None:
         super().__init__(runner, 'planner')
         self.newest_reference = 0.0  # s
@@ -59,7 +67,7 @@ class ControllerBench(Bench):
         self.progress = self.collect('motion_progress', Float64, read=lambda message: message.data)
         self.drive = self.start_node(DriveNode, **OPTIONS, **(drives or FAST_DRIVES))
         self.controller = self.start_node(
-            ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout, watchdog=watchdog
+            ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout, watchdog=watchdog, **controller
         )
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)
         self.wait(lambda: self.references, 'first reference')

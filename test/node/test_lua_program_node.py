@@ -292,6 +292,29 @@ def test_autostart_says_what_it_waits_for(ros_nodes: Any, tmp_path: Path):
     bench.wait_for_state('FINISHED')
 
 
+def test_autostart_waits_for_expected_nodes_and_a_controller_that_is_ready(ros_nodes: Any, tmp_path: Path):
+    path = tmp_path / 'auto.lua'
+    path.write_text(MOVE)
+    guarded = {'autostart': True, 'program': str(path), 'expected_nodes': ['collision_node']}
+    bench = LuaBench(ros_nodes, tmp_path, **guarded)
+    controller = bench.peer.create_publisher(JointTrajectory, 'joint_reference', STREAM)
+    bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
+    health = bench.publisher('/diagnostics', DiagnosticArray)
+
+    def wait_for(text: str) -> None:
+        bench.wait(lambda: any(f'autostart waits for {text}' in one.msg for one in bench.log), text)
+
+    wait_for('controller_node and collision_node')
+    unseen = diagnostic_status('/controller_node', 'no sign of life yet', level=DiagnosticStatus.WARN)
+    health.publish(DiagnosticArray(status=[unseen]))
+    wait_for('collision_node and controller_node (no sign of life yet)')
+    health.publish(DiagnosticArray(status=[diagnostic_status('/collision_node', 'starting')]))
+    wait_for('controller_node (no sign of life yet)')
+    assert not bench.commands
+    health.publish(DiagnosticArray(status=[diagnostic_status('/controller_node', 'ready')]))
+    bench.wait_for_state('FINISHED')
+
+
 @pytest.mark.parametrize(
     'parameters', [{'orientation_convention': 'abc'}, {'digital_size': 0}, {'planner_timeout': -1.0}]
 )

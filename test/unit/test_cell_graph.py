@@ -165,6 +165,47 @@ def test_the_opcua_server_has_a_process_of_its_own_and_settings_that_are_valid(t
         cell_graph(robot='ur5e', opcua=4840, opcua_access=str(access))
 
 
+SCRIPTED_STOP = 'initial: {digital_input.2: 1}\nemergency_stop: {digital_input.2: off}\n'
+MAPPED_STOP = (
+    'inputs:\n  - {channel: digital_input.2, topic: a, type: Bool}\nemergency_stop: {digital_input.2: off}\n'
+)
+
+
+@pytest.mark.parametrize(
+    ('option', 'text', 'source'),
+    [('io', SCRIPTED_STOP, 'plc_node'), ('io_map', MAPPED_STOP, 'io_bridge_node')],
+)
+def test_the_controller_watches_the_node_that_publishes_the_inputs_of_the_emergency_stop(
+    tmp_path: Path, option: str, text: str, source: str
+):
+    (tmp_path / 'file.yaml').write_text(text)
+    file: Any = {option: str(tmp_path / 'file.yaml')}
+    nodes = {node.name: node.parameters for node in cell_graph(robot='bello_bot', **file)}
+    assert source in nodes
+    assert nodes['controller_node']['emergency_stop_inputs'] == ['digital_input.2=off']
+    assert nodes['controller_node']['emergency_stop_source'] == source
+    for name in ('controller_node', 'lua_program_node'):
+        assert nodes[name]['expected_nodes'] == [source]
+
+
+def test_a_cell_with_a_scene_expects_its_collision_guard_and_one_without_expects_no_node():
+    scene = str(ROOT / 'programs' / 'scenes' / 'car_frame.yaml')
+    for options, expected in (({'scene': scene}, ['collision_node']), ({}, None)):
+        for lockstep in (False, True):
+            nodes = cell_graph(robot='bello_bot', lockstep=lockstep, **options)
+            for name in ('controller_node', 'lua_program_node'):
+                (parameters,) = (node.parameters for node in nodes if node.name == name)
+                assert parameters.get('expected_nodes') == (None if lockstep else expected)
+
+
+def test_a_driver_of_primitives_excludes_an_emergency_stop_by_inputs(tmp_path: Path):
+    (tmp_path / 'driver.yaml').write_text('primitives: {name: /driver/motion_sequence}\n')
+    (tmp_path / 'plc.yaml').write_text(SCRIPTED_STOP)
+    files: Any = {'driver': str(tmp_path / 'driver.yaml'), 'io': str(tmp_path / 'plc.yaml')}
+    with pytest.raises(OptionError, match=r'excludes emergency_stop: digital_input\.2 would stop nothing'):
+        cell_graph(robot='ur5e', **files)
+
+
 def test_a_driver_of_primitives_has_no_planner_and_no_controller_of_the_suite(tmp_path: Path):
     (tmp_path / 'driver.yaml').write_text('primitives: {name: /driver/motion_sequence}\n')
     driver = str(tmp_path / 'driver.yaml')

@@ -159,6 +159,22 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
     assert rig.stops[-1] == StopState()
 
 
+def test_no_motion_and_no_stream_starts_without_what_is_awaited(rig: Rig) -> None:
+    rig.loop.wait_for('no sign of life of the guard yet')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.loop.stream(StreamPoint(START, START, START, rig.now + PERIOD), '2')
+    rig.run(1)
+    assert [(result.ok, result.message) for result in rig.results] == [
+        (False, 'no sign of life of the guard yet')
+    ]
+    assert rig.refusals == ['no sign of life of the guard yet']
+    assert not rig.loop.controller.stops.latched
+    rig.results.clear()
+    rig.loop.wait_for('')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '3')
+    assert rig.run_until_result().ok
+
+
 @pytest.mark.parametrize('share', [1.0, 0.5])
 def test_a_motion_does_not_go_on_after_its_controller_was_frozen(share: float) -> None:
     rig = Rig(watchdog=0.2, processor_share=lambda: share)

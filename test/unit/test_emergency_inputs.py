@@ -35,7 +35,35 @@ def test_the_inputs_of_a_file_stop_at_their_values(tmp_path: Path) -> None:
     assert inputs.reason([0, 1, 0]) == ''
     assert inputs.reason([1, 0, 0]) == 'emergency stop by digital_input.2'
     assert inputs.reason([1, 0, 1]) == 'emergency stop by digital_input.2, digital_input.3'
-    assert inputs.reason([1]) == ''  # nothing is known of them
+
+
+def test_an_input_that_the_image_does_not_have_stops_as_its_value_is_unknown() -> None:
+    inputs = parse_emergency_stop(['digital_input.2=off', 'digital_input.3=on'])
+    assert inputs.reason([0, 1]) == 'emergency stop by digital_input.3 (unknown: digital_inputs is too short)'
+    assert inputs.reason([]).count('digital_inputs is too short') == 2
+
+
+def test_an_input_that_nothing_sets_is_refused_with_those_that_are_set(tmp_path: Path) -> None:
+    script = written(tmp_path, PLC.replace('initial: {e_stop: 1}', 'initial: {digital_input.7: 1}'))
+    with pytest.raises(
+        RobotsError, match=r'digital_input\.2 is set by nothing in .*plc\.yaml.*digital_input\.7$'
+    ):
+        read_cell_io(script)
+    outputs = written(
+        tmp_path, 'outputs:\n  - {channel: digital_output.1, topic: a, type: Bool}\n', 'map.yaml'
+    )
+    alone = written(tmp_path, 'emergency_stop: {digital_input.1: off}', 'alone.yaml')
+    with pytest.raises(RobotsError, match=r'input\.1 is set by nothing .* valid are none of the digital'):
+        read_cell_io(alone, outputs)
+    rows = 'inputs:\n  - {channel: digital_input.1, topic: a, type: Bool}\n'
+    inputs = written(tmp_path, rows, 'map.yaml')
+    assert dict(read_cell_io(alone, inputs).emergency_stop) == {'digital_input.1': 0}
+
+
+def test_an_input_beyond_those_of_a_cell_is_refused(tmp_path: Path) -> None:
+    text = 'initial: {digital_input.33: 1}\nemergency_stop: {digital_input.33: off}'
+    with pytest.raises(RobotsError, match=r'input\.33 is no input of a cell, .* digital_input\.1 to 32'):
+        read_cell_io(written(tmp_path, text))
 
 
 @pytest.mark.parametrize(
@@ -59,7 +87,7 @@ def test_parameters_that_name_no_input_and_value_are_refused(text: str) -> None:
 
 
 def test_two_files_that_say_different_things_are_refused(tmp_path: Path) -> None:
-    script = written(tmp_path, 'emergency_stop: {digital_input.1: off}')
+    script = written(tmp_path, 'initial: {digital_input.1: 1}\nemergency_stop: {digital_input.1: off}')
     rows = 'outputs:\n  - {channel: digital_output.1, topic: a, type: Bool}\n'
     same = written(tmp_path, rows + 'emergency_stop: {digital_input.1: off}', 'same.yaml')
     assert dict(read_cell_io(script, same).emergency_stop) == {'digital_input.1': 0}

@@ -183,6 +183,10 @@ class ControlLoop:
         else:
             self._mailbox.append(lambda _: self.controller.stops.clear(fault))
 
+    def wait_for(self, awaited: str) -> None:
+        """Let no motion start without this, see `Controller.awaited`; '' if nothing is missing."""
+        self._mailbox.append(partial(self._wait_for, awaited))
+
     def release(self, fault: Fault) -> None:
         """End the cause of a fault; the robot may move again unless another fault holds it.
 
@@ -302,6 +306,9 @@ class ControlLoop:
         self.controller.stop(reason)
         if resume:
             self.controller.speed.paused = False
+
+    def _wait_for(self, awaited: str, _now: float) -> None:
+        self.controller.awaited = awaited
 
     def _pause(self, _now: float, *, paused: bool) -> None:
         self.controller.speed.paused = paused

@@ -89,6 +89,8 @@ class Controller:
         self._found: Finding | None = None  # in the period that is to come
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
+        self.awaited = ''
+        """What no motion starts without and is not there yet, for a person; '' if nothing is missing."""
 
     @property
     def state(self) -> ControllerState:
@@ -149,8 +151,8 @@ class Controller:
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
-                there is no feedback, a fault is not reset, another number of axes, or it crosses a border
-                that is always closed.
+                there is no feedback, a fault is not reset, something is awaited, another number of axes, or
+                it crosses a border that is always closed.
         """
         self._refuse_stopped()
         if trajectory.num_axes != self._axes.num_axes:
@@ -179,8 +181,8 @@ class Controller:
             now: Time, s.
 
         Raises:
-            TrajectoryRefusedError: a motion is still running, there is no feedback, a fault is not reset, or
-                the stream was stopped and has not paused since.
+            TrajectoryRefusedError: a motion is still running, there is no feedback, a fault is not reset,
+                something is awaited, or the stream was stopped and has not paused since.
             InvalidInputError: the point breaks a limit or is due too far ahead.
         """
         self._refuse_stopped()
@@ -198,6 +200,8 @@ class Controller:
             raise TrajectoryRefusedError(f'{self.stops.state.reason}; ~/reset lets the robot move again')
         if self._feedback.lost:
             raise TrajectoryRefusedError(NO_FEEDBACK)
+        if self.awaited:
+            raise TrajectoryRefusedError(self.awaited)
 
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""

@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from robots_controller.defaults import DIGITAL_SIZE
 from robots_controller.io.channel_declarations import ChannelDeclarations
 from robots_controller.io.fail_safe import HOLD
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, read_io_map
-from robots_controller.io.io_signals import channel_labels
+from robots_controller.io.io_signals import channel_labels, parse_channel
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_core.errors import OptionError
 
@@ -31,6 +32,11 @@ class CellIo(ChannelDeclarations):
         return channel_labels(list(self.signals.values()))
 
     @property
+    def inputs(self) -> tuple[Channel, ...]:
+        """The inputs that the script or the map sets."""
+        return (*self.script.inputs, *(row.channel for row in self.io_map.inputs))
+
+    @property
     def offline(self) -> PlcScript:
         """The script for a map whose topics have no publisher: its inputs keep their fail-safe values."""
         silent = {row.channel: row.fail_safe for row in self.io_map.inputs}
@@ -47,7 +53,7 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '', *, orbit: Path | 
 
     Raises:
         RobotsError: a file that is not valid; two that set inputs, give one name to two channels, or one
-            output two fail-safe values.
+            output two fail-safe values; an emergency stop by an input that neither sets.
     """
     script = read_plc_script(io) if io else PlcScript(())
     rows = read_io_map(io_map) if io_map else IoMap()
@@ -67,7 +73,27 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '', *, orbit: Path | 
                 here, there = _shown(one[name]), _shown(other[name])
                 raise OptionError(f'{section}: {name} is {here} in {io} and {there} in {io_map}')
         declared[section] = MappingProxyType({**one, **other})
-    return CellIo(script, rows, **declared)
+    cell_io = CellIo(script, rows, **declared)
+    _check_emergency_stop(cell_io, ' and '.join(str(file) for file in (io, io_map) if file))
+    return cell_io
+
+
+def _check_emergency_stop(cell_io: CellIo, files: str) -> None:
+    """Refuse inputs that would never stop the robot: those that nothing sets, and those that a cell lacks."""
+    known = {channel.name for channel in cell_io.inputs}
+    for name in cell_io.emergency_stop:
+        channel = parse_channel(name, {})
+        if channel.index > DIGITAL_SIZE:
+            raise OptionError(
+                f'emergency_stop: {name} is no input of a cell, which has digital_input.1 to {DIGITAL_SIZE}'
+            )
+        if name not in known:
+            valid = [one.name for one in cell_io.inputs if one.image == channel.image]
+            raise OptionError(
+                f'emergency_stop: {name} is set by nothing in {files}, so that it would never stop the '
+                f'robot; a row of the I/O map, or initial or a rule of the PLC script, must set it; '
+                f'valid are {", ".join(valid) or "none of the digital inputs"}'
+            )
 
 
 def _shown(value: Channel | float | None) -> str:

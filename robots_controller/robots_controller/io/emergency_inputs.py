@@ -30,13 +30,15 @@ class EmergencyInputs:
         """Which inputs stop the robot, for a person; '' if none does.
 
         Args:
-            image: The digital inputs from the first one on; one that is not in it stops nothing.
+            image: The digital inputs from the first one on; one that is not in it stops the robot too, as
+                its value is unknown.
         """
-        named = [
-            f'digital_input.{index}'
-            for index, value in self._stopping.items()
-            if index <= len(image) and int(image[index - 1]) == value
-        ]
+        named = []
+        for index, value in self._stopping.items():
+            if index > len(image):
+                named.append(f'digital_input.{index} (unknown: digital_inputs is too short)')
+            elif int(image[index - 1]) == value:
+                named.append(f'digital_input.{index}')
         return f'emergency stop by {", ".join(named)}' if named else ''
 
 

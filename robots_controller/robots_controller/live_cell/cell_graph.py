@@ -10,7 +10,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from robots_controller.cell.contact_setup import check_one_guide, read_contact
 from robots_controller.control.speed.frame_speed_limit import checked_speed_limit
 from robots_controller.defaults import RATE
-from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.cell_io import CellIo, read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_controller.io.zone_inputs import closing_inputs, closing_texts
@@ -34,6 +34,13 @@ PAGE_PORTS: Final = 10
 """Ports between those that are tried for the 3D view and those for the operator's page."""
 KEEP_TIME: Final = ('drive_node', 'hardware_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
+
+
+_EMERGENCY_STOP_OF_PRIMITIVES: Final = (
+    'a driver of motion primitives (--driver) excludes emergency_stop: {} would stop nothing, because no '
+    "controller_node runs; wire the emergency stop to the robot's own controller, and remove emergency_stop "
+    'from the files of --io and --io-map'
+)
 
 
 @dataclass(frozen=True)
@@ -199,7 +206,16 @@ def cell_graph(
     cell_io = read_cell_io(io, io_map, orbit=orbit)
     if lockstep:
         cell_io.io_map.check_simulated_time()
-    stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
+    if primitives and cell_io.emergency_stop:
+        raise OptionError(_EMERGENCY_STOP_OF_PRIMITIVES.format(', '.join(cell_io.emergency_stop)))
+    source = _source_of_emergency_stop(cell_io)
+    stopping = {
+        'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or [''],
+        'emergency_stop_source': source,
+    }
+    # In lock-step nobody is missed: a run ends without one of its participants.
+    awaited = [] if lockstep else [*(['collision_node'] if scene else []), *([source] if source else [])]
+    expected = {'expected_nodes': awaited} if awaited else {}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
     zones = read_scene(scene).zones if scene else ()
@@ -229,6 +245,7 @@ def cell_graph(
             **capped,
             **mode,
             **stopping,
+            **expected,
             **(zoned if zones else {}),
             **watched,
             **feedback,
@@ -248,6 +265,7 @@ def cell_graph(
             debug_token=debug_token,
             payload=list(payload),
             fail_safe=fail_safe,
+            **expected,
             **({'driver': driver} if primitives else {}),
             **watched,
             **names,
@@ -282,6 +300,14 @@ def _check_for_primitives(**options: object) -> None:
                 f'a driver of motion primitives (--driver) excludes --{name.replace("_", "-")}: the '
                 "robot's own controller plans and moves, without planning_node and controller_node"
             )
+
+
+def _source_of_emergency_stop(cell_io: CellIo) -> str:
+    """The node that publishes the inputs of the emergency stop; '' without such inputs."""
+    if not cell_io.emergency_stop:
+        return ''
+    by_script = any(channel.image == 'digital_inputs' for channel in cell_io.script.inputs)
+    return 'plc_node' if by_script else 'io_bridge_node'
 
 
 def _pendant(robot: str, program: str, port: int, scene: str, page: dict[str, str]) -> NodeDescription:

@@ -1,6 +1,6 @@
 """Autostart: starts the program when everything that its motions need is there, however long that takes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -25,10 +25,19 @@ class MotionReadiness:
         node: The program's node.
         planner: Sends motions.
         controller: Sends requests to the controller.
+        expected: Further nodes that have to be there. With any, the controller has to report that it is
+            ready, as it does after their first signs of life.
     """
 
-    def __init__(self, node: RobotNode, planner: PlannerClient, controller: ControllerClient) -> None:
+    def __init__(
+        self,
+        node: RobotNode,
+        planner: PlannerClient,
+        controller: ControllerClient,
+        expected: Sequence[str] = (),
+    ) -> None:
         self._node, self._planner, self._controller = node, planner, controller
+        self._expected = expected
         self._controller_works = False
         self._troubles: dict[str, str] = {}
         self._subscriptions = [
@@ -47,13 +56,17 @@ class MotionReadiness:
             if name in NEEDED:
                 well = status.level == DiagnosticStatus.OK
                 self._troubles[name] = '' if well else f'{name} ({status.message})'
+            elif name in self._expected:
+                self._troubles[name] = ''
 
     def missing(self) -> list[str]:
         """What motions need and is not there, for people."""
         planner = self._planner
+        reported = not self._expected or 'controller_node' in self._troubles
         present = {
             'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
-            'controller_node': self._controller_works and self._controller.works,
+            'controller_node': self._controller_works and self._controller.works and reported,
+            **{name: name in self._troubles for name in self._expected},
         }
         missing = [name for name, there in present.items() if not there]
         return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
@@ -82,21 +95,25 @@ class Autostart:
 
     Args:
         node: The program's node.
-        readiness: Makes what is watched, if it is wanted.
+        readiness: Makes what is watched, if it is wanted, of the names of the expected nodes.
         start: Opens and runs the program.
 
     Parameters:
         autostart: It is wanted.
         launch: Names the launch; '' for one that begins with this node.
+        expected_nodes: Nodes of the cell that the robot does not move without.
     """
 
     def __init__(
-        self, node: RobotNode, readiness: Callable[[], Readiness], start: Callable[[], None]
+        self, node: RobotNode, readiness: Callable[[Sequence[str]], Readiness], start: Callable[[], None]
     ) -> None:
         self._node, self._start = node, start
         self._said, self._said_at = '', 0.0
         wanted = node.parameter('autostart', False, 'open and run the program as soon as the robot can move')
         launch = node.parameter('launch', '', 'autostart runs the program once for each of these names')
+        expected = node.parameter(
+            'expected_nodes', [''], "nodes that autostart waits for too, as 'collision_node'"
+        )
         if not wanted:
             return
         try:
@@ -110,7 +127,7 @@ class Autostart:
                 'the program'
             )
             return
-        self._readiness = readiness()
+        self._readiness = readiness([name for name in expected if name])
         self._timer = node.create_timer(PERIOD, self._look)
 
     def _look(self) -> None:

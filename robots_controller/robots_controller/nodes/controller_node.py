@@ -12,21 +12,20 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, UInt8MultiArray
+from std_msgs.msg import Bool, Float64
 
 from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed.speed_control import SpeedControl
-from robots_controller.control.stops.faults import LOST_NODES, Fault
+from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
-from robots_controller.control.stops.watched_inputs import WatchedInputs
-from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
+from robots_controller.nodes.watched_nodes import WatchedNodes
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
@@ -41,7 +40,7 @@ from robots_core.ros.messages import (
     motion_result_message,
 )
 from robots_core.ros.peers.fresh_commands import FreshCommands
-from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
+from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.running.run import run
@@ -133,7 +132,8 @@ class ControllerNode(ManagedNode):
         )
         self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
-        self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog, self._on_watched)
+        program_lost = partial(self._commanders.lose, Commander.PROGRAM)
+        self.watch = WatchedNodes(self, self._control, watchdog, self._zones.inputs, program_lost).heartbeats
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',
@@ -183,15 +183,6 @@ class ControllerNode(ManagedNode):
         subscribe(self, Bool, 'emergency_stop', self._on_emergency_stop)
         subscribe(self, Bool, 'robot_running', self._on_robot_running)
         subscribe(self, DiagnosticStatus, 'contact_status', self._on_contact)
-        stopping: EmergencyInputs = self.parameter(
-            'emergency_stop_inputs',
-            [''],
-            "digital inputs that stop the robot, as 'digital_input.3=off'",
-            read=parse_emergency_stop,
-        )
-        if stopping or self._zones.inputs:
-            self._inputs = WatchedInputs(self._control, stopping, self._zones.inputs)
-            subscribe(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
 
     # -- the loop ------------------------------------------------------------------------------------
 
@@ -281,8 +272,9 @@ class ControllerNode(ManagedNode):
             return DiagnosticStatus.ERROR, f'stopped until ~/reset: {self._controller.stops.state.reason}'
         if self.now() - self._refusal_time < REFUSAL_PERIOD:
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
-        if obstacle := self._controller.obstacle:
-            return DiagnosticStatus.WARN, f'held before {obstacle}'
+        obstacle = self._controller.obstacle
+        if hindrance := self._controller.awaited or (obstacle and f'held before {obstacle}'):
+            return DiagnosticStatus.WARN, hindrance
         return DiagnosticStatus.OK, 'ready'
 
     # -- the executor's thread -----------------------------------------------------------------------
@@ -309,14 +301,6 @@ class ControllerNode(ManagedNode):
         limit = self.get_parameter('tool_speed_limit').value
         self._frame_limit.limit = self._controller.speed.authority.speed_limit(limit)
         self._control.change_caps()
-
-    def _on_watched(self, name: str, reason: str) -> None:
-        if name == 'collision_node':
-            self._control.watch(LOST_NODES[name], reason)
-        elif reason:
-            self._control.trip(LOST_NODES[name], reason)
-            if name == 'lua_program_node':
-                self._commanders.lose(Commander.PROGRAM, reason)
 
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(

@@ -185,7 +185,8 @@ class LuaProgramNode(RobotNode):
             nodes = ['planning_node', 'controller_node']
             self.watch = HeartbeatWatch(self, nodes, self._watchdog, self._on_watched)
 
-        return MotionPorts(planner, controller, report, lambda: MotionReadiness(self, planner, controller))
+        readiness = partial(MotionReadiness, self, planner, controller)
+        return MotionPorts(planner, controller, report, readiness)
 
     def _driven(self, driver: Driver) -> MotionPorts:
         """The robot's own controller moves it."""
@@ -196,7 +197,7 @@ class LuaProgramNode(RobotNode):
         def report() -> None:
             action.report_to(self.host)
 
-        return MotionPorts(action.motions, action.control, report, lambda: action, action.cancel)
+        return MotionPorts(action.motions, action.control, report, lambda _: action, action.cancel)
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'

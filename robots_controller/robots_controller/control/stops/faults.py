@@ -43,6 +43,11 @@ class Fault(Enum):
         'one period',
         'a digital input that `emergency_stop` names in a file of the cell; reset when it is released',
     )
+    EMERGENCY_INPUTS_LOST = (
+        StopCategory.ONE,
+        '`watchdog`',
+        'the node that publishes the inputs of `emergency_stop` gives no sign of life; reset when it is back',
+    )
     ROBOT_STOPPED = (
         StopCategory.ONE,
         'one period',

@@ -1,6 +1,6 @@
 """MotionPorts: what moves the robot of a program."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from robots_controller.cell.ports import ControllerPort, PlannerPort
@@ -15,12 +15,12 @@ class MotionPorts:
         planner: Plans motions.
         controller: Follows them.
         report: Begins to report to the host.
-        readiness: Makes what autostart waits for.
+        readiness: Makes what autostart waits for, of the names of nodes that are expected.
         end: Ends what moves the robot, when the node ends.
     """
 
     planner: PlannerPort
     controller: ControllerPort
     report: Callable[[], object]
-    readiness: Callable[[], Readiness]
+    readiness: Callable[[Sequence[str]], Readiness]
     end: Callable[[], object] = lambda: None

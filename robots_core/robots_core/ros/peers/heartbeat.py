@@ -66,12 +66,18 @@ class HeartbeatWatch:
         names: Names of the nodes, in the namespace of this one.
         timeout: See `Watchdog`, s.
         on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
+        on_seen: Called with a node's name at its first sign of life.
     """
 
     def __init__(
-        self, node: TimedNode, names: Sequence[str], timeout: float, on_change: Callable[[str, str], None]
+        self,
+        node: TimedNode,
+        names: Sequence[str],
+        timeout: float,
+        on_change: Callable[[str, str], None],
+        on_seen: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self._node, self._timeout, self._on_change = node, timeout, on_change
+        self._node, self._timeout, self._on_change, self._on_seen = node, timeout, on_change, on_seen
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
         self._processes: dict[str, bytes] = {}  # their last signs of life
         if timeout == 0.0 or node.simulated_time:
@@ -94,7 +100,7 @@ class HeartbeatWatch:
     def _look(self) -> None:
         now = self._node.now()
         for name, (beats, watchdog) in self._watched.items():
-            before, beat = watchdog.lost, beats.take()
+            before, beat, seen = watchdog.lost, beats.take(), watchdog.seen
             if beat is not None and beat != self._processes.setdefault(name, beat):
                 self._processes[name] = beat
                 if not before:
@@ -105,6 +111,8 @@ class HeartbeatWatch:
                 self._on_change(name, reason)
             elif before and not watchdog.lost:
                 self._on_change(name, '')
+            if watchdog.seen and not seen:
+                self._on_seen(name)
 
 
 def watchdog_parameter(node: RobotNode) -> float:

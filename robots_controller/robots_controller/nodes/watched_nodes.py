@@ -1,0 +1,141 @@
+"""WatchedNodes: the nodes whose loss stops the robot, and the inputs that stop it or close zones."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Final
+
+from std_msgs.msg import UInt8MultiArray
+
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.control.stops.faults import LOST_NODES, Fault
+from robots_controller.control.stops.watched_inputs import WatchedInputs
+from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
+from robots_controller.io.zone_inputs import ZoneInputs
+from robots_core.errors import InvalidInputError
+from robots_core.ros.peers.heartbeat import HeartbeatWatch
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import RobotNode
+
+NODE_NAME: Final = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
+PERSISTENT: Final = (Fault.COLLISION_GUARD_LOST, Fault.EMERGENCY_INPUTS_LOST)
+"""Without these nodes the robot would move unguarded: no reset before they are back."""
+NO_IMAGE: Final = 'digital_inputs, in which the emergency stop is, has not been published yet'
+
+
+class WatchedNodes:
+    """Stops the robot when a node is lost or by an input, and lets no motion start before both are there.
+
+    Args:
+        node: The controller's.
+        control: Its loop.
+        watchdog: Without a sign of life for this long a node is lost, s; 0: none is watched.
+        zones: Inputs that close zones.
+        program_lost: Called with the reason when lua_program_node is lost.
+
+    Parameters:
+        emergency_stop_inputs: Inputs that stop the robot.
+        emergency_stop_source: Node that publishes them.
+        expected_nodes: Nodes of the cell without whose first sign of life no motion starts.
+
+    Raises:
+        InvalidInputError: a parameter that is not valid.
+    """
+
+    def __init__(
+        self,
+        node: RobotNode,
+        control: ControlLoop,
+        watchdog: float,
+        zones: ZoneInputs,
+        program_lost: Callable[[str], object],
+    ) -> None:
+        self._control, self._program_lost = control, program_lost
+        emergency: EmergencyInputs = node.parameter(
+            'emergency_stop_inputs',
+            [''],
+            "digital inputs that stop the robot, as 'digital_input.3=off'",
+            read=parse_emergency_stop,
+        )
+        source: str = node.parameter(
+            'emergency_stop_source',
+            '',
+            "node that publishes emergency_stop_inputs, as 'io_bridge_node': its loss stops the robot",
+            read=checked_name,
+        )
+        self._faults = dict(LOST_NODES)
+        if emergency and source:
+            self._faults[source] = Fault.EMERGENCY_INPUTS_LOST
+        self._expected: tuple[str, ...] = node.parameter(
+            'expected_nodes',
+            [''],
+            "nodes without whose first sign of life no motion starts, as 'collision_node'",
+            read=partial(expected_nodes, watched=tuple(self._faults)),
+        )
+        self._inputs = WatchedInputs(control, emergency, zones)
+        self._image_awaited = bool(emergency) and not node.simulated_time
+        self._awaited = ''
+        if emergency or zones:
+            subscribe(node, UInt8MultiArray, 'digital_inputs', self._on_inputs)
+        self.heartbeats: Final = HeartbeatWatch(
+            node, tuple(self._faults), watchdog, self._on_change, lambda _: self._wait()
+        )
+        """Their signs of life."""
+        self._wait()
+
+    def _on_inputs(self, message: UInt8MultiArray) -> None:
+        self._inputs.look(message.data)
+        if self._image_awaited:
+            self._image_awaited = False
+            self._wait()
+
+    def _on_change(self, name: str, reason: str) -> None:
+        fault = self._faults[name]
+        if fault in PERSISTENT:
+            self._control.watch(fault, reason)
+        elif reason:
+            self._control.trip(fault, reason)
+        if reason and name == 'lua_program_node':
+            self._program_lost(reason)
+
+    def _wait(self) -> None:
+        unseen = self.heartbeats.unseen
+        missing = [
+            f'no sign of life of {name} yet: is it running?' for name in self._expected if name in unseen
+        ]
+        if self._image_awaited:
+            missing.append(NO_IMAGE)
+        awaited = '; '.join(missing)
+        if awaited != self._awaited:
+            self._awaited = awaited
+            self._control.wait_for(awaited)
+
+
+def checked_name(text: str) -> str:
+    """The name of a node, or '' for none.
+
+    Raises:
+        InvalidInputError: it cannot be one.
+    """
+    if text and not NODE_NAME.fullmatch(text):
+        raise InvalidInputError(f"{text!r} is no name of a node; valid are 'io_bridge_node' and 'plc_node'")
+    return text
+
+
+def expected_nodes(names: Iterable[str], *, watched: Sequence[str]) -> tuple[str, ...]:
+    """The names without empty ones.
+
+    Args:
+        names: Of nodes.
+        watched: Those that are watched.
+
+    Raises:
+        InvalidInputError: one that is not watched.
+    """
+    found = tuple(filter(None, names))
+    for name in found:
+        if name not in watched:
+            raise InvalidInputError(f'{name!r} is not watched; valid are {", ".join(watched)}')
+    return found
