@@ -1,6 +1,7 @@
 """Compilation of functions to machine code by Numba, kept on disk."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from numpy.typing import NDArray
@@ -34,14 +35,24 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
         keep_by_content(function, **options if not counted else {'nogil': nogil})
         try:
             with garbage_kept():
-                result: Function = nb.njit(*chosen, cache=True, **options)(function)
+                result = nb.njit(*chosen, cache=True, **options)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
             result = nb.njit(*chosen, **options)(function)
-        return result
+        result.get_call_template = partial(_by_types_alone, result.get_call_template)
+        kernel: Function = result
+        return kernel
 
     return decorate
+
+
+def _by_types_alone(find: Callable[..., Any], given: Sequence[Any], named: Mapping[str, Any]) -> Any:
+    """How a function is called from compiled code: without this it is compiled for each constant argument."""
+    types = nb.types
+    return find(
+        [types.unliteral(one) for one in given], {name: types.unliteral(one) for name, one in named.items()}
+    )
 
 
 @compiled()

@@ -78,6 +78,8 @@ class PathCertificate:
             end: (n,) rad (m).
             margins: Distance that each pair keeps, (p,) m.
         """
+        # Read-only arrays would be compiled for again.
+        start, end = np.array(start), np.array(end)
         return int(certify_line(self.body, self.placed, start, end, margins, self.work)[0])
 
     def piece(self, coefficients: Array, margins: Array) -> int:
@@ -98,7 +100,7 @@ class PathCertificate:
 
     def posture(self, q: Array, margins: Array) -> int:
         """A pair that is closer than its margin at joint positions `q`, (n,), or FREE."""
-        return int(blocking_pair(self.body, self.placed, q, margins))
+        return int(blocking_pair(self.body, self.placed, np.array(q), margins))
 
 
 def _ball_arrays(solids: SolidSet) -> BallArrays:
