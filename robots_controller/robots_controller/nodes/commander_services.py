@@ -74,7 +74,7 @@ class CommanderServices:
 
     def give_back(self, commander: Commander) -> None:
         """A commander is gone: if it has the robot, the robot becomes free."""
-        if self._authority.commander is commander:
+        if self._authority.commander in (commander, Commander.NOBODY):
             self._authority.give_back(commander)
             self._publish()
 
