@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -376,3 +377,35 @@ def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros
     np.testing.assert_array_equal(bench.references[-1], before)
     bench.send(HOME, AWAY)
     assert bench.result().ok
+
+
+def test_a_controller_that_is_started_again_in_a_launch_stays_stopped_until_its_reset(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
+    bench = Bench(ros_nodes)
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE, diagnostic_values)
+    bench.start_node(DriveNode, **OPTIONS, **FAST_DRIVES)
+    options = {**OPTIONS, 'feedback_timeout': PATIENT, 'watchdog': PATIENT}
+    for launch in ('monday', 'tuesday'):
+        first = bench.start_node(ControllerNode, **options, launch=launch)
+        bench.wait(lambda: stops and 'fault' not in stops[-1], 'a robot that may move')
+        ros_nodes.destroy(first)
+        again = bench.start_node(ControllerNode, **options, launch=launch)
+        bench.wait(lambda: stops[-1].get('fault') == 'controller lost', 'the fault')
+        bench.wait(lambda: bench.call('controller_node/reset').success, 'a reset')
+        bench.wait(lambda: 'fault' not in stops[-1], 'a robot that may move')
+        ros_nodes.destroy(again)
+        stops.clear()
+
+
+def test_a_controller_that_cannot_find_out_whether_it_was_started_before_stays_stopped(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / 'no folder'
+    folder.touch()
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(folder))
+    bench = Bench(ros_nodes)
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE, lambda message: message.message)
+    bench.start_node(ControllerNode, **OPTIONS, launch='monday')
+    bench.wait(lambda: stops and 'has been started before is not known' in stops[-1], 'the fault')

@@ -25,6 +25,7 @@ from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
+from robots_controller.nodes.earlier_start import earlier_start
 from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.watched_zones import WatchedZones
@@ -163,9 +164,9 @@ class ControllerNode(ManagedNode):
         self._fresh.held_up(silence)
 
     def _take_over(self) -> None:
-        """A controller that has taken the place of one that died lets nothing move before a reset."""
+        """A controller that has taken the place of an earlier one lets nothing move before a reset."""
         text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
-        interrupted = self.parameter('interrupted', '', text)
+        interrupted = self.parameter('interrupted', '', text) or earlier_start(self)
         if interrupted:
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
