@@ -26,7 +26,7 @@ from robots_core.ros.peers.publisher_names import PublisherNames, Sender
 from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
-from robots_core.topic_writers import WRITERS, WriterWatch
+from robots_core.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
 
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s
@@ -222,6 +222,8 @@ class RobotNode(TimedNode):
             assert watch is not None
             if watch.accepts(identity, self.now()) or from_anyone(message):
                 take(message)
+            elif watch.waits(identity):
+                self._offer_again(partial(take_of_writers, message, identity))
 
         watch = self.writer_watch(topic)
         if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
@@ -269,6 +271,13 @@ class RobotNode(TimedNode):
 
         subscription: Any = super().create_subscription(msg_type, topic, take_identified, COMMAND)
         return identify(subscription)
+
+    def _offer_again(self, take: Callable[[], None]) -> None:
+        def once() -> None:
+            self.destroy_timer(timer)
+            take()
+
+        timer = self.create_timer(LOOK_PERIOD, once)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
         """Separates writers of a topic from others; None where none are dropped."""
