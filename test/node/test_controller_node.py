@@ -16,6 +16,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
+from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import (
@@ -47,7 +48,13 @@ class ControllerBench(Bench):
     """A controller with its drive; the test sends trajectories."""
 
     def __init__(
-        self, runner: Any, *, feedback_timeout: float = PATIENT, watchdog: float = PATIENT, **drives: Any
+        self,
+        runner: Any,
+        *,
+        feedback_timeout: float = PATIENT,
+        watchdog: float = PATIENT,
+        operating_mode: str = 'AUTOMATIC',
+        **drives: Any,
     ) -> None:
         super().__init__(runner, 'planner')
         self.newest_reference = 0.0  # s
@@ -58,7 +65,11 @@ class ControllerBench(Bench):
         self.progress = self.collect('motion_progress', Float64, read=lambda message: message.data)
         self.drive = self.start_node(DriveNode, **OPTIONS, **(drives or FAST_DRIVES))
         self.controller = self.start_node(
-            ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout, watchdog=watchdog
+            ControllerNode,
+            **OPTIONS,
+            feedback_timeout=feedback_timeout,
+            watchdog=watchdog,
+            operating_mode=operating_mode,
         )
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)
         self.wait(lambda: self.references, 'first reference')
@@ -377,6 +388,28 @@ def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros
     np.testing.assert_array_equal(bench.references[-1], before)
     bench.send(HOME, AWAY)
     assert bench.result().ok
+
+
+@pytest.mark.parametrize('mode', ['T1', 'T2'])
+def test_beside_a_person_nothing_becomes_faster_under_way(ros_nodes: Any, mode: str) -> None:
+    bench = ControllerBench(ros_nodes, operating_mode=mode)
+    bench.set_parameters(bench.controller, tool_speed_limit=0.1)
+    bench.send(HOME, AWAY)  # held on its path, as nobody holds run
+    bench.wait(lambda: bench.controller.moving, 'a motion')
+    reason = f'tool_speed_limit may change only while the robot stands in operating mode {mode}'
+    with pytest.raises(InvalidInputError, match=reason):
+        bench.set_parameters(bench.controller, tool_speed_limit=0.0)
+    bench.trajectories.publish(JointTrajectory())
+    assert not bench.result().ok
+    bench.wait(lambda: not bench.controller.moving, 'a standing robot')
+    bench.set_parameters(bench.controller, tool_speed_limit=0.0)
+
+
+def test_in_production_the_tool_speed_limit_changes_under_way(ros_nodes: Any) -> None:
+    bench = ControllerBench(ros_nodes)
+    bench.send_slowly(AWAY)
+    bench.set_parameters(bench.controller, tool_speed_limit=0.1)
+    assert bench.controller.moving
 
 
 def test_a_controller_that_is_started_again_in_a_launch_stays_stopped_until_its_reset(

@@ -5,12 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.parameter_changes import CHANGES, Change
+from robots_core.operating_modes import OperatingMode
+from robots_core.parameter_changes import CHANGES, Change, change_of
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -68,10 +70,16 @@ def test_numbers_in_a_list_stay_in_their_range(ros_nodes: Any) -> None:
 
 def test_the_documentation_has_the_table() -> None:
     said = {change: change.name.lower().replace('_', ' ') for change in Change}
+
+    def beside_a_person(node: str, parameter: str) -> str:
+        (change,) = {change_of(node, parameter, mode) for mode in (OperatingMode.T1, OperatingMode.T2)}
+        assert change is not None
+        return said[change]
+
     meanings, _, parameters = PAGE.read_text().partition('## Parameters')
     assert all(f'| {name} | {change} |' in meanings for change, name in said.items())
     assert [line for line in parameters.splitlines() if '| `' in line] == [
-        f'| `{node}` | `{parameter}` | {said[change]} |'
+        f'| `{node}` | `{parameter}` | {said[change]} | {beside_a_person(node, parameter)} |'
         for node, changes in CHANGES.items()
         for parameter, change in changes.items()
     ]
@@ -92,6 +100,19 @@ def test_the_margin_of_collisions_stays_while_the_robot_moves(ros_nodes: Any) ->
     bench.end(motion)
     bench.set_parameters(bench.node, collision_margin=0.02)
     assert bench.node.planner.planning.collision_margin == 0.02
+
+
+def test_the_margin_of_collisions_stays_while_others_move_the_robot(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes)
+    home, still = bench.robot.home, np.zeros(bench.robot.num_axes)
+    for moving in ({'q_dot': still + 0.1}, {'q_ddot': still + 0.1}):
+        bench.stand(home, **moving)  # a stream, or the motion of another planner
+        with pytest.raises(
+            InvalidInputError, match='collision_margin may change only while the robot stands'
+        ):
+            bench.set_parameters(bench.node, collision_margin=0.01)
+    bench.stand(home)
+    bench.set_parameters(bench.node, collision_margin=0.01)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander
+from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
@@ -295,6 +295,11 @@ class ControllerNode(ManagedNode):
     def moving(self) -> bool:
         """A motion, a stream or a brake moves the robot."""
         return not self._control.at_rest
+
+    @property
+    def mode(self) -> OperatingMode:
+        """See `RobotNode`."""
+        return self._controller.speed.authority.mode
 
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         if any(parameter.name == 'tool_speed_limit' for parameter in parameters):
