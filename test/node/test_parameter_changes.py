@@ -8,11 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.operating_modes import OperatingMode
 from robots_core.parameter_changes import CHANGES, Change, change_of
+from robots_core.ros.messages import doubles
+from robots_core.ros.qos import COMMAND
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -29,6 +33,7 @@ NUMBERS = (
 )
 OF_SEVERAL_UNITS = ('tool', 'base', 'work', 'payload', 'base_orientation', 'initial_position')
 """Lists of metres and quaternions, and the like, which a check of their own bounds."""
+PATIENT = 20.0  # s
 RCLPY: set[str] = {'use_sim_time', 'start_type_description_service'}
 
 
@@ -113,6 +118,32 @@ def test_the_margin_of_collisions_stays_while_others_move_the_robot(ros_nodes: A
             bench.set_parameters(bench.node, collision_margin=0.01)
     bench.stand(home)
     bench.set_parameters(bench.node, collision_margin=0.01)
+
+
+def test_a_stream_of_a_sensor_counts_as_moving_until_the_robot_stands(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    options = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
+    bench.start_node(DriveNode, **options)
+    bench.start_node(ControllerNode, **options, feedback_timeout=PATIENT, watchdog=PATIENT)
+    planner = bench.start_node(PlanningNode, robot_model='kuka_kr210_r2700', watchdog=PATIENT)
+    bench.wait(planner.reference, 'the robot')
+    assert not planner.moving
+    sensor = ros_nodes.create_node('inverse_kinematics_node')
+    stream = sensor.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+    bench.wait(stream.get_subscription_count, 'the controller listens')
+    q = np.array(planner.robot.home) + 0.05
+    point = JointTrajectoryPoint(positions=doubles(q), velocities=doubles(0.0 * q))
+    point.time_from_start.nanosec = 4_000_000
+    names = list(planner.robot.axes_data.names)
+
+    def guided() -> bool:
+        message = JointTrajectory(joint_names=names, points=[point])
+        message.header.stamp = sensor.get_clock().now().to_msg()
+        stream.publish(message)
+        return planner.moving
+
+    bench.wait(guided, 'a moving robot')
+    bench.wait(lambda: not planner.moving, 'a standing robot')
 
 
 @pytest.mark.parametrize(
