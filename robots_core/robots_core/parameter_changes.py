@@ -1,8 +1,10 @@
-"""What may change while nodes run, and when: every other parameter keeps the value of the start."""
+"""What may change while nodes run, when, and in which operating mode: others keep the value of the start."""
 
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import Final
+
+from robots_core.operating_modes import MODES, OperatingMode
 
 
 class Change(StrEnum):
@@ -40,3 +42,25 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
     ),
 }
 """By node and parameter. Programs change modal settings between motions that blend, while the robot moves."""
+
+BESIDE_A_PERSON: Final[Mapping[str, Mapping[str, Change]]] = {
+    'controller_node': {'tool_speed_limit': Change.STANDING},
+}
+"""What holds instead in the modes in which run is held: nothing becomes faster beside a person under way."""
+
+
+def change_of(node: str, parameter: str, mode: OperatingMode | None) -> Change | None:
+    """When a parameter may change.
+
+    Args:
+        node: Default name of its node.
+        parameter: Its name.
+        mode: The operating mode; None where no controller publishes one.
+
+    Returns:
+        None: never.
+    """
+    change = CHANGES.get(node, {}).get(parameter)
+    if mode is None or not MODES[mode].held:
+        return change
+    return BESIDE_A_PERSON.get(node, {}).get(parameter, change)

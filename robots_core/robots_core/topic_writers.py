@@ -19,19 +19,25 @@ class Writers:
         nodes: Names of the suite's nodes that write to it.
         places: As long as fewer nodes write, another one may, in the place of one of the suite.
         stream: There is a single writer, whose messages follow each other closely.
+        state: Each message is sent once: one that comes before the name of its publisher waits for it.
     """
 
     nodes: tuple[str, ...]
     places: int = 1
     stream: bool = False
+    state: bool = False
 
 
 WRITERS: Final[Mapping[str, Writers]] = {
     'joint_reference': Writers(('controller_node',), stream=True),
     'joint_states': Writers(('drive_node',), stream=True),
-    'drives_on': Writers(('controller_node',)),
+    'drives_on': Writers(('controller_node',), state=True),
     'joint_trajectory': Writers(('planning_node', 'inverse_kinematics_node')),
     'motion_result': Writers(('controller_node', 'planning_node'), places=2),
+    'commander': Writers(('controller_node',), state=True),
+    'operating_mode': Writers(('controller_node',), state=True),
+    'run_enabled': Writers(('controller_node',), state=True),
+    'guide': Writers(('lua_program_node',), state=True),
 }
 """By topic. In the place of `drive_node` stands any driver; in that of the others a user's own node may."""
 
@@ -42,7 +48,7 @@ class WriterWatch:
 
     The first writer of a stream keeps its place until it is silent for `SILENCE`, or until the suite's own
     node comes: a restarted node takes the place of the one before. On other topics a node of
-    the suite may always write, and another one as long as a place is free.
+    the suite may always write, and another one as long as a place is free, until the suite's own write.
 
     Args:
         topic: Its name in `WRITERS`.
@@ -57,6 +63,7 @@ class WriterWatch:
     on_stranger: Callable[[str], None]
     _writers: dict[bytes, str] = field(default_factory=dict)  # with their nodes' names
     _strangers: dict[bytes, float] = field(default_factory=dict)  # with the time of the last look
+    _unnamed: set[bytes] = field(default_factory=set)  # of a state
     _heard: float = -math.inf  # of a stream
 
     def accepts(self, identity: bytes, now: float) -> bool:
@@ -72,8 +79,12 @@ class WriterWatch:
         if now - self._strangers.get(identity, -math.inf) < LOOK_PERIOD:
             return False
         names = self.publishers()
+        self._unnamed.discard(identity)
         if not self._has_place(identity, names, now):
             self._strangers[identity] = now
+            if WRITERS[self.topic].state and identity not in names:
+                self._unnamed.add(identity)
+                return False
             self.on_stranger(self._described(names.get(identity, 'an unknown node')))
             return False
         if WRITERS[self.topic].stream:
@@ -81,11 +92,26 @@ class WriterWatch:
         self._writers[identity] = names.get(identity, '')
         self._strangers.pop(identity, None)
         self._heard = now
+        self._make_room()
         return True
+
+    def waits(self, identity: bytes) -> bool:
+        """A message that was not accepted is to be offered again: its publisher has no name yet."""
+        return identity in self._unnamed
+
+    def _make_room(self) -> None:
+        """Others lose their places when the suite's own nodes have taken all of them."""
+        own = {one: name for one, name in self._writers.items() if name in self._own}
+        if len({*own.values()}) >= WRITERS[self.topic].places:
+            self._writers = own
+
+    @property
+    def _own(self) -> set[str]:
+        return {self.namespace + name for name in WRITERS[self.topic].nodes}
 
     def _has_place(self, identity: bytes, names: Mapping[bytes, str], now: float) -> bool:
         writers = WRITERS[self.topic]
-        own = {self.namespace + name for name in writers.nodes}
+        own = self._own
         name = names.get(identity, '')
         if writers.stream:
             (present,) = self._writers or [b'']

@@ -60,7 +60,7 @@ class PlanningBench(Bench):
             lambda: self.peer.count_publishers('joint_trajectory') and self.finished, 'the node is connected'
         )
 
-    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
+    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None, q_ddot: np.ndarray | None = None) -> None:
         """Publish a reference, as the controller does, and wait until the node has received it."""
         if self.references is None:
             self.references = self.peer.create_publisher(JointTrajectory, 'joint_reference', STATE)
@@ -73,7 +73,7 @@ class PlanningBench(Bench):
         point = JointTrajectoryPoint(
             positions=doubles(q[order]),
             velocities=doubles((zero if q_dot is None else q_dot)[order]),
-            accelerations=doubles(zero),
+            accelerations=doubles((zero if q_ddot is None else q_ddot)[order]),
         )
         self.references.publish(
             JointTrajectory(joint_names=[self.names[index] for index in order], points=[point])

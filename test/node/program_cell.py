@@ -54,7 +54,7 @@ class ProgramCell(Bench):
         )
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT, driver=driver)
         self.planner = self.start_node(PlanningNode, robot_model=ROBOT)
-        self.wait(lambda: self.references and self.planner._reference is not None, 'the robot')
+        self.wait(lambda: self.references and self.planner.reference() is not None, 'the robot')
 
     def _read(self, message: JointTrajectory) -> Any:
         self._stamp = nanoseconds(message.header.stamp)

@@ -38,7 +38,7 @@ class ServedRobot(Bench):
         self.client = ActionClient(self.peer, action, name)
         self.feedback: list[Any] = []
         self.wait(
-            lambda: self.references and planner._reference is not None and self.client.server_is_ready(),
+            lambda: self.references and planner.reference() is not None and self.client.server_is_ready(),
             'the action',
         )
 

@@ -181,3 +181,40 @@ def test_the_mode_changes_while_the_robot_stands(cell: CommandedCell) -> None:
     cell.end('FAILED')
     assert 'PROGRAM does not command the robot in operating mode REMOTE' in cell.status[-1]['error']
     cell.wait(lambda: cell.order(cell.position() + 0.01).ok, 'a motion by a topic')
+
+
+@pytest.mark.parametrize('run', ['held', 'released'])
+def test_a_change_to_automatic_pauses_a_program_until_it_is_resumed(t1: CommandedCell, run: str) -> None:
+    t1.open(CRAWL + 'wait(2)\n' + MOVE)
+    t1.hold_run()
+    t1.wait(lambda: t1.call('lua_program_node/run').success, 'the program')
+    t1.until_commander('PROGRAM')
+    if run == 'released':
+        t1.release_run()
+        t1.wait(lambda: t1.status[-1].get('hold') == 'release', 'the hold')
+    t1.set_parameters(t1.controller, operating_mode='AUTOMATIC')
+    t1.wait(lambda: t1.status[-1].get('hold') == 'pause', 'the pause')
+    t1.wait(lambda: t1.modes[-1] == 'AUTOMATIC', 'the mode')
+    count = len(t1.references)
+    t1.wait(lambda: len(t1.references) > count + 100, 'references')
+    assert not any(any(point.velocities) for point in t1.references)
+    assert t1.status[-1]['state'] == 'PAUSED'
+    t1.command('resume')
+    t1.until_moving()
+    t1.command('stop')
+    t1.end('STOPPED')
+
+
+def test_a_held_program_fails_by_a_change_to_remote_and_another_commander_moves_the_robot(
+    t1: CommandedCell,
+) -> None:
+    t1.open(FOREVER)
+    t1.hold_run()
+    t1.wait(lambda: t1.call('lua_program_node/run').success, 'the program')
+    t1.until_commander('PROGRAM')
+    t1.release_run()
+    t1.wait(lambda: t1.status[-1].get('hold') == 'release', 'the hold')
+    t1.set_parameters(t1.controller, operating_mode='REMOTE')
+    t1.end('FAILED')
+    assert 'PROGRAM does not command the robot in operating mode REMOTE' in t1.status[-1]['error']
+    t1.wait(lambda: t1.order(t1.position() + 0.01).ok, 'a motion by a topic')

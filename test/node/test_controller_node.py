@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -19,6 +20,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.ports import trajectory_intake
 from robots_core import load_robot_model
+from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import (
@@ -56,6 +58,7 @@ class ControllerBench(Bench):
         feedback_timeout: float = PATIENT,
         watchdog: float = PATIENT,
         controller: Mapping[str, Any] = MappingProxyType({}),
+        operating_mode: str = 'AUTOMATIC',
         **drives: Any,
     ) -> None:
         super().__init__(runner, 'planner')
@@ -67,7 +70,12 @@ class ControllerBench(Bench):
         self.progress = self.collect('motion_progress', Float64, read=lambda message: message.data)
         self.drive = self.start_node(DriveNode, **OPTIONS, **(drives or FAST_DRIVES))
         self.controller = self.start_node(
-            ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout, watchdog=watchdog, **controller
+            ControllerNode,
+            **OPTIONS,
+            feedback_timeout=feedback_timeout,
+            watchdog=watchdog,
+            operating_mode=operating_mode,
+            **controller,
         )
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)
         self.wait(lambda: self.references, 'first reference')
@@ -422,3 +430,57 @@ def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros
     np.testing.assert_array_equal(bench.references[-1], before)
     bench.send(HOME, AWAY)
     assert bench.result().ok
+
+
+@pytest.mark.parametrize('mode', ['T1', 'T2'])
+def test_beside_a_person_nothing_becomes_faster_under_way(ros_nodes: Any, mode: str) -> None:
+    bench = ControllerBench(ros_nodes, operating_mode=mode)
+    bench.set_parameters(bench.controller, tool_speed_limit=0.1)
+    bench.send(HOME, AWAY)  # held on its path, as nobody holds run
+    bench.wait(lambda: bench.controller.moving, 'a motion')
+    reason = f'tool_speed_limit may change only while the robot stands in operating mode {mode}'
+    with pytest.raises(InvalidInputError, match=reason):
+        bench.set_parameters(bench.controller, tool_speed_limit=0.0)
+    bench.trajectories.publish(JointTrajectory())
+    assert not bench.result().ok
+    bench.wait(lambda: not bench.controller.moving, 'a standing robot')
+    bench.set_parameters(bench.controller, tool_speed_limit=0.0)
+
+
+def test_in_production_the_tool_speed_limit_changes_under_way(ros_nodes: Any) -> None:
+    bench = ControllerBench(ros_nodes)
+    bench.send_slowly(AWAY)
+    bench.set_parameters(bench.controller, tool_speed_limit=0.1)
+    assert bench.controller.moving
+
+
+def test_a_controller_that_is_started_again_in_a_launch_stays_stopped_until_its_reset(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
+    bench = Bench(ros_nodes)
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE, diagnostic_values)
+    bench.start_node(DriveNode, **OPTIONS, **FAST_DRIVES)
+    options = {**OPTIONS, 'feedback_timeout': PATIENT, 'watchdog': PATIENT}
+    for launch in ('monday', 'tuesday'):
+        first = bench.start_node(ControllerNode, **options, launch=launch)
+        bench.wait(lambda: stops and 'fault' not in stops[-1], 'a robot that may move')
+        ros_nodes.destroy(first)
+        again = bench.start_node(ControllerNode, **options, launch=launch)
+        bench.wait(lambda: stops[-1].get('fault') == 'controller lost', 'the fault')
+        bench.wait(lambda: bench.call('controller_node/reset').success, 'a reset')
+        bench.wait(lambda: 'fault' not in stops[-1], 'a robot that may move')
+        ros_nodes.destroy(again)
+        stops.clear()
+
+
+def test_a_controller_that_cannot_find_out_whether_it_was_started_before_stays_stopped(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / 'no folder'
+    folder.touch()
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(folder))
+    bench = Bench(ros_nodes)
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE, lambda message: message.message)
+    bench.start_node(ControllerNode, **OPTIONS, launch='monday')
+    bench.wait(lambda: stops and 'has been started before is not known' in stops[-1], 'the fault')

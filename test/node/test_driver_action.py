@@ -57,7 +57,7 @@ class DrivenBench(Bench):
         self.start_node(ControllerNode, robot_model='ur5e', feedback_timeout=PATIENT, following_error=2.0)
         planner = self.start_node(PlanningNode, robot_model='ur5e')
         self.publisher('ptpjoint_joint', JointState, COMMAND)
-        self.wait(lambda: planner._reference is not None and self.driver.goals, 'goals')
+        self.wait(lambda: planner.reference() is not None and self.driver.goals, 'goals')
 
     def _measured(self) -> JointState:
         position, velocity = self.controller.step(self.driver.now())

@@ -5,12 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from rclpy.parameter import Parameter
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.parameter_changes import CHANGES, Change
+from robots_core.operating_modes import OperatingMode
+from robots_core.parameter_changes import CHANGES, Change, change_of
+from robots_core.ros.messages import doubles
+from robots_core.ros.qos import COMMAND
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -27,6 +33,7 @@ NUMBERS = (
 )
 OF_SEVERAL_UNITS = ('tool', 'base', 'work', 'payload', 'base_orientation', 'initial_position')
 """Lists of metres and quaternions, and the like, which a check of their own bounds."""
+PATIENT = 20.0  # s
 RCLPY: set[str] = {'use_sim_time', 'start_type_description_service'}
 
 
@@ -68,10 +75,16 @@ def test_numbers_in_a_list_stay_in_their_range(ros_nodes: Any) -> None:
 
 def test_the_documentation_has_the_table() -> None:
     said = {change: change.name.lower().replace('_', ' ') for change in Change}
+
+    def beside_a_person(node: str, parameter: str) -> str:
+        (change,) = {change_of(node, parameter, mode) for mode in (OperatingMode.T1, OperatingMode.T2)}
+        assert change is not None
+        return said[change]
+
     meanings, _, parameters = PAGE.read_text().partition('## Parameters')
     assert all(f'| {name} | {change} |' in meanings for change, name in said.items())
     assert [line for line in parameters.splitlines() if '| `' in line] == [
-        f'| `{node}` | `{parameter}` | {said[change]} |'
+        f'| `{node}` | `{parameter}` | {said[change]} | {beside_a_person(node, parameter)} |'
         for node, changes in CHANGES.items()
         for parameter, change in changes.items()
     ]
@@ -92,6 +105,45 @@ def test_the_margin_of_collisions_stays_while_the_robot_moves(ros_nodes: Any) ->
     bench.end(motion)
     bench.set_parameters(bench.node, collision_margin=0.02)
     assert bench.node.planner.planning.collision_margin == 0.02
+
+
+def test_the_margin_of_collisions_stays_while_others_move_the_robot(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes)
+    home, still = bench.robot.home, np.zeros(bench.robot.num_axes)
+    for moving in ({'q_dot': still + 0.1}, {'q_ddot': still + 0.1}):
+        bench.stand(home, **moving)  # a stream, or the motion of another planner
+        with pytest.raises(
+            InvalidInputError, match='collision_margin may change only while the robot stands'
+        ):
+            bench.set_parameters(bench.node, collision_margin=0.01)
+    bench.stand(home)
+    bench.set_parameters(bench.node, collision_margin=0.01)
+
+
+def test_a_stream_of_a_sensor_counts_as_moving_until_the_robot_stands(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    options = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
+    bench.start_node(DriveNode, **options)
+    bench.start_node(ControllerNode, **options, feedback_timeout=PATIENT, watchdog=PATIENT)
+    planner = bench.start_node(PlanningNode, robot_model='kuka_kr210_r2700', watchdog=PATIENT)
+    bench.wait(planner.reference, 'the robot')
+    assert not planner.moving
+    sensor = ros_nodes.create_node('inverse_kinematics_node')
+    stream = sensor.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+    bench.wait(stream.get_subscription_count, 'the controller listens')
+    q = np.array(planner.robot.home) + 0.05
+    point = JointTrajectoryPoint(positions=doubles(q), velocities=doubles(0.0 * q))
+    point.time_from_start.nanosec = 4_000_000
+    names = list(planner.robot.axes_data.names)
+
+    def guided() -> bool:
+        message = JointTrajectory(joint_names=names, points=[point])
+        message.header.stamp = sensor.get_clock().now().to_msg()
+        stream.publish(message)
+        return planner.moving
+
+    bench.wait(guided, 'a moving robot')
+    bench.wait(lambda: not planner.moving, 'a standing robot')
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,17 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
+from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
+from robots_core.blocks.following.guide import Guide
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
+from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.messages import (
     doubles,
@@ -121,6 +125,39 @@ def test_strangers_do_not_disturb_a_motion_and_are_named(ros_nodes: Any) -> None
     assert [(result.id, result.ok) for result in ends()] == [(id_, True)]
     # The feedback behind the result may still be on its way to the test.
     cell.wait(lambda: np.abs(cell.positions[-1] - GOAL).max() < 0.02, 'the goal in joint_states')
+
+
+def test_a_forged_commander_or_mode_does_not_let_strangers_move_the_robot(ros_nodes: Any) -> None:
+    cell = Cell(ros_nodes)
+    assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
+    commanders = cell.planner._commanders
+    cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
+    for topic, forged in (('commander', 'REMOTE'), ('operating_mode', 'REMOTE')):
+        cell.until_named('/planning_node', topic, String(data=forged), STATE)
+    assert commanders.commander is Commander.PROGRAM
+    assert commanders.mode is OperatingMode.AUTOMATIC
+    orders = cell.stranger.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
+    cell.wait(orders.get_subscription_count, 'the planner listens')
+    orders.publish(joint_state_message(cell.peer.get_clock().now().to_msg(), NAMES, GOAL))
+    cell.wait(lambda: cell.results, 'the refusal')
+    assert cell.results[0].message.startswith('PROGRAM commands the robot, not REMOTE')
+
+
+def test_a_controller_that_is_started_again_is_heard_at_once(ros_nodes: Any) -> None:
+    cell = Cell(ros_nodes)
+    commanders = cell.planner._commanders
+    assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
+    cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
+    ros_nodes.destroy(cell.controller)
+    cell.start_node(ControllerNode, robot_model=NAME, watchdog=PATIENT, feedback_timeout=PATIENT)
+    cell.wait(lambda: commanders.commander is Commander.NOBODY, 'the commander of the new controller')
+
+
+def test_a_forged_run_or_guide_does_not_reach_program_and_guide(ros_nodes: Any) -> None:
+    bench = Cell(ros_nodes)
+    bench.start_node(LuaProgramNode, robot_model=NAME)
+    bench.until_named('/lua_program_node', 'run_enabled', Bool(data=True), STATE)
+    bench.until_named('/planning_node', 'guide', String(data=Guide.SENSOR), STATE)
 
 
 def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_nodes: Any) -> None:

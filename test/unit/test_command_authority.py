@@ -100,6 +100,32 @@ def test_run_is_held_for_as_long_as_its_signs_come(mode: OperatingMode) -> None:
     assert authority.enabled(30.0) is not MODES[mode].held, 'after a change of the mode it is held anew'
 
 
+@pytest.mark.parametrize('run', ['held', 'released'])
+def test_a_program_that_leaves_a_mode_with_run_held_waits_until_it_takes_the_robot_anew(run: str) -> None:
+    authority = CommandAuthority(OperatingMode.T1)
+    authority.take(Commander.PROGRAM, standing=True)
+    authority.hold(1.0, held=run == 'held')
+    authority.set_mode(OperatingMode.AUTOMATIC)
+    assert not authority.enabled(1.0)
+    assert authority.commander is Commander.PROGRAM
+    authority.take(Commander.PROGRAM, standing=True)
+    assert authority.enabled(1.0)
+
+
+@pytest.mark.parametrize('action', ['give back', 'take over'])
+def test_what_comes_after_a_program_does_not_wait_for_it(action: str) -> None:
+    authority = CommandAuthority(OperatingMode.T1)
+    authority.take(Commander.PROGRAM, standing=True)
+    authority.set_mode(OperatingMode.REMOTE)
+    assert authority.commander is Commander.NOBODY
+    assert not authority.enabled(0.0), 'the program has not ended yet'
+    if action == 'give back':
+        authority.give_back(Commander.PROGRAM)
+    else:
+        authority.take_over(Commander.REMOTE)
+    assert authority.enabled(0.0)
+
+
 def test_who_jogs_needs_not_hold_run_but_what_a_program_lets_guide_does() -> None:
     authority = CommandAuthority(OperatingMode.T1)
     assert authority.stream_enabled(0.0)

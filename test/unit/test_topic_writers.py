@@ -101,6 +101,35 @@ def test_a_node_that_is_started_anew_is_taken_beside_what_is_left_of_it():
     assert graph.accepts('anew')
 
 
+def test_a_state_of_a_publisher_without_a_name_yet_waits_for_the_name():
+    graph = Graph('commander', dead='controller_node')
+    assert not graph.accepts('anew')
+    assert graph.watch.waits(b'anew')
+    assert not graph.said
+    graph.names[b'anew'] = '/cell/controller_node'
+    assert graph.accepts('anew', LOOK_PERIOD)
+    assert not graph.watch.waits(b'anew')
+
+
+def test_a_state_of_a_stranger_waits_for_nothing_once_it_has_its_name():
+    graph = Graph('commander', controller='controller_node')
+    assert not graph.accepts('stranger')
+    graph.names[b'stranger'] = '/cell/stranger'
+    assert not graph.accepts('stranger', LOOK_PERIOD)
+    assert not graph.watch.waits(b'stranger')
+    assert graph.said == [
+        '/cell/stranger publishes commander beside controller_node; its messages are dropped'
+    ]
+
+
+def test_a_node_in_the_place_of_one_of_the_suite_loses_it_to_that():
+    graph = Graph('commander', stranger='stranger')
+    assert graph.accepts('stranger')
+    graph.names[b'controller'] = '/cell/controller_node'
+    assert graph.accepts('controller')
+    assert not graph.accepts('stranger')
+
+
 def test_the_same_names_of_another_cell_are_strangers():
     graph = Graph('motion_result', controller='controller_node', planner='planning_node')
     graph.names[b'other'] = '/other/controller_node'

@@ -23,6 +23,7 @@ from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
+from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
@@ -33,7 +34,7 @@ class ProgramHost:
 
     It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,
     `switching` with plans and progress, `motions.watch` and `reporter.report_in_time` regularly, and
-    `permission`, `stop_changed` and `run_enabled` with what the controller reports.
+    `permission`, `stop_changed`, `mode_changed` and `run_enabled` with what the controller reports.
 
     Args:
         robot: The robot.
@@ -245,9 +246,20 @@ class ProgramHost:
             self.make_outputs_safe()
 
     def run_enabled(self, *, enabled: bool) -> None:
-        """A person holds run, or run is not needed: otherwise the program is held."""
+        """Motions of programs may continue: otherwise the program is held."""
         self.permission.enabled = enabled
-        self.program.set_enabled(enabled=enabled)
+        self._hold_by_permission()
+
+    def mode_changed(self, mode: OperatingMode) -> None:
+        """The operating mode: a program that has waited for run does not continue by a change of it."""
+        if self.permission.mode_changed(mode):  # it is reported with each commander too
+            self._hold_by_permission()
+
+    def _hold_by_permission(self) -> None:
+        if self.permission.suspended:
+            self.program.suspend()
+        else:
+            self.program.set_enabled(enabled=not self.permission.run_missing)
         self.reporter.report()
 
     def lose_robot(self, reason: str) -> bool:
@@ -309,6 +321,8 @@ class ProgramHost:
 
     def hold(self, *, held: bool) -> None:
         """See `CellPort`."""
+        if not held and self.permission.suspended:
+            self._controller.command(taken=True)
         self._controller.request('pause' if held else 'resume')
 
     def set_override(self, value: float) -> None:

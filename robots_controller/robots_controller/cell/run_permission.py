@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from robots_core.errors import CommandRefusedError, ProgramError
-from robots_core.operating_modes import Commander, OperatingMode, check_command
+from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command
 
 
 class RunPermission:
@@ -22,17 +22,28 @@ class RunPermission:
         self.remedy = 'controller_node/reset lets the robot move again'
         """What ends the fault, for a person."""
         self.enabled = True
-        """A person holds run, or run is not needed."""
+        """Motions of programs may continue."""
 
     def commander_changed(self, commander: Commander) -> None:
         """The commander of the robot."""
         self._commander = commander
         self._look()
 
-    def mode_changed(self, mode: OperatingMode) -> None:
-        """The operating mode."""
-        self._mode = mode
+    def mode_changed(self, mode: OperatingMode) -> bool:
+        """The operating mode; True if it is another one than before."""
+        before, self._mode = self._mode, mode
         self._look()
+        return mode is not before
+
+    @property
+    def run_missing(self) -> bool:
+        """A person has to hold run, and does not."""
+        return not self.enabled and (self._mode is None or MODES[self._mode].held)
+
+    @property
+    def suspended(self) -> bool:
+        """A program waits until it is resumed, and has to take the robot anew: the mode has changed."""
+        return not self.enabled and not self.run_missing
 
     def check(self) -> None:
         """Check that a program may run.
@@ -44,7 +55,7 @@ class RunPermission:
         if self.stop_reason:
             raise ProgramError(f'{self.stop_reason}; {self.remedy}')
         self._check_commander()
-        if not self.enabled:
+        if self.run_missing:
             raise ProgramError(
                 f'in operating mode {self._mode} programs run only while run is held: '
                 'true on topic hold_to_run, again and again'

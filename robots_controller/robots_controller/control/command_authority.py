@@ -26,11 +26,18 @@ class CommandAuthority:
         """The operating mode."""
         self._hold_timeout = hold_timeout
         self._held_at = -math.inf
+        self._suspended = False  # a program that ran in a mode in which run is held
         self.commander = Commander.NOBODY
         """The commander of the robot."""
 
     def set_mode(self, mode: OperatingMode) -> None:
-        """Change the mode, while the robot stands; a commander that it excludes loses the robot."""
+        """Change the mode, while the robot stands; a commander that it excludes loses the robot.
+
+        A program that leaves a mode in which run is held moves the robot again when it has taken it anew.
+        """
+        # Before the mode: the thread that asks for `enabled` must not see the new one alone.
+        if self.commander is Commander.PROGRAM and MODES[self.mode].held:
+            self._suspended = True
         self.mode = mode
         self._held_at = -math.inf
         if self.commander not in MODES[mode].commanders:
@@ -51,7 +58,7 @@ class CommandAuthority:
             raise CommandRefusedError(
                 f'{commander} cannot take the robot while it moves; it can when the robot stands'
             )
-        self.commander = commander
+        self.commander, self._suspended = commander, False
 
     def give_back(self, commander: Commander) -> None:
         """Give the robot back.
@@ -61,7 +68,7 @@ class CommandAuthority:
         """
         if self.commander not in (commander, Commander.NOBODY):
             raise CommandRefusedError(f'{self.commander} commands the robot, not {commander}')
-        self.commander = Commander.NOBODY
+        self.commander, self._suspended = Commander.NOBODY, False
 
     def take_over(self, commander: Commander) -> None:
         """Take the robot from any commander; the transport stops what moves it.
@@ -70,7 +77,7 @@ class CommandAuthority:
             CommandRefusedError: the mode excludes the commander.
         """
         check_mode(commander, self.mode)
-        self.commander = commander
+        self.commander, self._suspended = commander, False
 
     def hold(self, now: float, *, held: bool) -> None:
         """A person holds run, or has released it; now in s, on the clock of `enabled`."""
@@ -82,8 +89,9 @@ class CommandAuthority:
         Args:
             now: Time, s.
         """
-        needed = MODES[self.mode].held and self._hold_timeout > 0.0
-        return not needed or now - self._held_at <= self._hold_timeout
+        if not MODES[self.mode].held:
+            return not self._suspended
+        return self._hold_timeout <= 0.0 or now - self._held_at <= self._hold_timeout
 
     def stream_enabled(self, now: float) -> bool:
         """Streams may continue. Jogging is held by its key, guidance for a program by the run button."""

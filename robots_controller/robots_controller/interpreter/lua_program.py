@@ -178,6 +178,14 @@ class LuaProgram(ProgramState):
         elif self.hold_reason == 'release':
             self._release(None)
 
+    def suspend(self) -> None:
+        """Pause the program where a person had to hold run and need not any more: only `resume` ends that."""
+        self._enabled = True
+        self._hold('pause')
+        with self.condition:
+            if self.hold_reason == 'release':
+                self.hold_reason = 'pause'
+
     def step(self, step: Step = 'over') -> bool:
         """Let a held program continue for one step, see `Debugger.step`.
 

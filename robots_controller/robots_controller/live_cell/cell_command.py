@@ -124,7 +124,7 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(
         autostart=options.describe and bool(options.program),  # there is no cell that would start it
-        launch=uuid4().hex if options.describe and options.program else '',
+        launch=uuid4().hex if options.describe else '',
         debug_token=token,
         **{name: getattr(options, name) for name in GRAPH_OPTIONS},
     )

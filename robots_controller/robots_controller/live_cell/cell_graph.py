@@ -134,7 +134,8 @@ def cell_graph(
         robot: The robot's name; all that depends on it.
         program: Robot program that the Lua node opens.
         autostart: The Lua node runs the program by itself as soon as it can.
-        launch: Names this start of the cell: within it autostart runs the program once.
+        launch: Names this start of the cell: within it autostart runs the program once, and a controller that
+            is started again stays stopped until its reset.
         rate: References per second, Hz.
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         driver: Driver of a real robot, in the place of the drives (see `read_driver`); none by default.
@@ -241,6 +242,7 @@ def cell_graph(
             'robots_controller',
             'controller_node',
             rate=rate,
+            launch=launch,
             **tolerance,
             **capped,
             **mode,

@@ -81,12 +81,13 @@ class CommanderServices:
 
     def lose(self, commander: Commander, reason: str) -> bool:
         """A commander is gone: if it has the robot, the robot becomes free; returns whether it had."""
-        if self._authority.commander is not commander:
-            return False
-        self._on_lost(reason)
-        self._authority.give_back(commander)
-        self._publish()
-        return True
+        had = self._authority.commander is commander
+        if had:
+            self._on_lost(reason)
+        if had or self._authority.commander is Commander.NOBODY:
+            self._authority.give_back(commander)
+            self._publish()
+        return had
 
     def _take(self, commander: Commander, taken: bool) -> str:  # noqa: FBT001  # the value of a SetBool
         try:

@@ -23,13 +23,14 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
+from robots_controller.nodes.earlier_start import earlier_start
 from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.watched_nodes import WatchedNodes
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander
+from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
@@ -165,9 +166,9 @@ class ControllerNode(ManagedNode):
         self._fresh.held_up(silence)
 
     def _take_over(self) -> None:
-        """A controller that has taken the place of one that died lets nothing move before a reset."""
+        """A controller that has taken the place of an earlier one lets nothing move before a reset."""
         text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
-        interrupted = self.parameter('interrupted', '', text)
+        interrupted = self.parameter('interrupted', '', text) or earlier_start(self)
         if interrupted:
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
@@ -292,6 +293,11 @@ class ControllerNode(ManagedNode):
     def moving(self) -> bool:
         """A motion, a stream or a brake moves the robot."""
         return not self._control.at_rest
+
+    @property
+    def mode(self) -> OperatingMode:
+        """See `RobotNode`."""
+        return self._controller.speed.authority.mode
 
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         if any(parameter.name == 'tool_speed_limit' for parameter in parameters):

@@ -156,7 +156,7 @@ class InProcessCell:
         self._inputs = image_sizes(inputs)
         self.log.begin(io, self._parts.io_labels, self._inputs, mode)
         self._host.open(self._parts.program, self._parts.points_file or '', self._parts.frames_file or '')
-        self._host.permission.mode_changed(mode)
+        self._host.mode_changed(mode)
         self._watch_inputs()
 
     def set_scene(self, scene: Scene) -> None:
@@ -434,6 +434,12 @@ class InProcessCell:
     def run_enabled(self, *, enabled: bool) -> None:
         """See `ControlPort`; a simulation needs no run button."""
         self.log.value('run_enabled', enabled)
+        if enabled is not self._host.permission.enabled:
+            self._mail.append(lambda: self._run_enabled(enabled=enabled))
+
+    def _run_enabled(self, *, enabled: bool) -> None:
+        self._host.run_enabled(enabled=enabled)
+        self.changed = True
 
     def _stopped(self, reason: str) -> None:
         self._host.stop_changed(reason)

@@ -15,7 +15,8 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.parameter_changes import CHANGES, Change
+from robots_core.operating_modes import OperatingMode
+from robots_core.parameter_changes import CHANGES, Change, change_of
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
@@ -26,7 +27,7 @@ from robots_core.ros.peers.publisher_names import PublisherNames, Sender
 from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
-from robots_core.topic_writers import WRITERS, WriterWatch
+from robots_core.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
 
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s
@@ -55,7 +56,7 @@ class RobotNode(TimedNode):
     def __init__(self, name: str, *, robot: str = 'bello_bot', **options: Any) -> None:
         super().__init__(name, **options)
         self._checks: dict[str, Callable[[Any], object]] = {}
-        self._changes = CHANGES.get(name, {})
+        self._kind = name
         self.add_on_set_parameters_callback(self._check_parameters)
         self.robot_name: str = self.parameter(
             'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf"
@@ -91,7 +92,8 @@ class RobotNode(TimedNode):
         Raises:
             InvalidInputError: the value given at start is of another type or not valid.
         """
-        descriptor = ParameterDescriptor(description=description, read_only=name not in self._changes)
+        fixed = change_of(self._kind, name, None) is None
+        descriptor = ParameterDescriptor(description=description, read_only=fixed)
         if bounds is not None:
             low, high = bounds
             if isinstance(default, int):
@@ -114,11 +116,14 @@ class RobotNode(TimedNode):
         """The robot moves, as far as this node has to do with it."""
         return False
 
+    @property
+    def mode(self) -> OperatingMode | None:
+        """The operating mode; None where this node has nothing to do with it."""
+        return None
+
     def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         for parameter in parameters:
-            standing = self._changes.get(parameter.name) is Change.STANDING
-            if standing and self.is_changed(parameter) and self.moving:
-                reason = f'{parameter.name} may change only {Change.STANDING}'
+            if self.is_changed(parameter) and (reason := self._refused_change(parameter.name)):
                 return SetParametersResult(successful=False, reason=reason)
             check = self._checks.get(parameter.name)
             if check is None:
@@ -128,6 +133,13 @@ class RobotNode(TimedNode):
             except RobotsError as error:
                 return SetParametersResult(successful=False, reason=f'{parameter.name}: {error}')
         return SetParametersResult(successful=True)
+
+    def _refused_change(self, name: str) -> str:
+        if change_of(self._kind, name, self.mode) is not Change.STANDING or not self.moving:
+            return ''
+        always = CHANGES[self._kind][name] is Change.STANDING
+        where = '' if always else f' in operating mode {self.mode}'
+        return f'{name} may change only {Change.STANDING}{where}'
 
     def ready(self, message: str = 'ready', **values: object) -> None:
         """Report that all is well; once it was, a warning does not mean that the node is still starting."""
@@ -222,6 +234,8 @@ class RobotNode(TimedNode):
             assert watch is not None
             if watch.accepts(identity, self.now()) or from_anyone(message):
                 take(message)
+            elif watch.waits(identity):
+                self._offer_again(partial(take_of_writers, message, identity))
 
         watch = self.writer_watch(topic)
         if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
@@ -269,6 +283,13 @@ class RobotNode(TimedNode):
 
         subscription: Any = super().create_subscription(msg_type, topic, take_identified, COMMAND)
         return identify(subscription)
+
+    def _offer_again(self, take: Callable[[], None]) -> None:
+        def once() -> None:
+            self.destroy_timer(timer)
+            take()
+
+        timer = self.create_timer(LOOK_PERIOD, once)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
         """Separates writers of a topic from others; None where none are dropped."""

@@ -22,7 +22,6 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.ros.control_actions import action_type
-from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     NANOSECONDS,
@@ -41,7 +40,6 @@ from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
@@ -57,6 +55,7 @@ from robots_planning.motion_settings import (
 )
 from robots_planning.nodes.command_admission import CommandAdmission
 from robots_planning.nodes.command_inbox import CommandInbox
+from robots_planning.nodes.controller_reference import ControllerReference
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
@@ -111,10 +110,9 @@ class PlanningNode(RobotNode):
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
-        self._reference: tuple[Array, Array] | None = None
         self._controllers: set[bytes] = set()  # publishers of references when the last motion was sent
 
-        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference')
+        self._reference = ControllerReference(self)
         self._trajectory_publisher = make_publisher(self, JointTrajectory, 'joint_trajectory')
         self._plan_publisher = make_publisher(self, DiagnosticStatus, 'motion_plan')
         self._result_publisher = make_publisher(self, DiagnosticStatus, 'motion_result')
@@ -189,8 +187,8 @@ class PlanningNode(RobotNode):
 
     @property
     def moving(self) -> bool:
-        """A motion is on its way, or somebody jogs."""
-        return self.planner.moving or self._jogging.jogging.active
+        """A motion is on its way, somebody jogs, or the controller's reference moves for another reason."""
+        return self.planner.moving or self._jogging.jogging.active or self._reference.moves
 
     # -- messages to the planner ---------------------------------------------------------------------
 
@@ -305,11 +303,7 @@ class PlanningNode(RobotNode):
 
     def reference(self) -> tuple[Array, Array] | None:
         """See `MotionPlannerPort`."""
-        message = self._references.take()
-        if message is not None:
-            q, q_dot, _ = single_point(message, self._names, 'joint_reference')
-            self._reference = q, q_dot
-        return self._reference
+        return self._reference.newest()
 
     def submit(self, work: Callable[[], None]) -> None:
         """See `MotionPlannerPort`; in simulated time at once, as it takes none of it."""

@@ -96,7 +96,7 @@ class Fault(Enum):
     CONTROLLER_LOST = (
         StopCategory.ONE,
         'see references ended',
-        'controller_node has died, and is started again by `cell`',
+        'controller_node has ended, and is started again, by `cell` or within a launch',
     )
     CONTROLLER_HELD_UP = (
         StopCategory.ZERO,

@@ -61,7 +61,7 @@ class ControllerClient:
         takers: dict[str, tuple[Any, Callable[[Any], object]]] = {
             'stop_status': (DiagnosticStatus, stopped),
             'commander': (String, self._on_commander),
-            'operating_mode': (String, lambda one: host.permission.mode_changed(OperatingMode(one.data))),
+            'operating_mode': (String, lambda one: host.mode_changed(OperatingMode(one.data))),
             'run_enabled': (Bool, lambda one: host.run_enabled(enabled=one.data)),
         }
         for topic, (message_type, take) in takers.items():

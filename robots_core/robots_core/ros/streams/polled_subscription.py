@@ -49,6 +49,7 @@ class PolledSubscription:
         self._watch = node.writer_watch(topic) if hasattr(node, 'writer_watch') else None
         if self._watch is not None:
             self._identified = IdentifiedMessages(self._subscription)
+            self._waiting: tuple[Any, bytes] | None = None
         self._newest = 0  # sequence number of the message
 
     def take(self) -> Any:
@@ -65,10 +66,13 @@ class PolledSubscription:
         """
         subscription, deadline = self._subscription, math.inf
         if self._watch is not None:
-            while (identified := self._identified.take()) is not None:
-                message, identity = identified
+            waiting, self._waiting = self._waiting, None
+            while (identified := waiting or self._identified.take()) is not None:
+                waiting, (message, identity) = None, identified
                 if self._watch.accepts(identity, self._now()):
                     yield message, {}
+                elif self._watch.waits(identity):
+                    self._waiting = identified
             return
         while True:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
