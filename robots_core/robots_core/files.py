@@ -34,8 +34,13 @@ def read_bytes(
         raise _unreadable(path, what, problem) from None
 
 
-def check_file(path: Path | str, what: str, *, largest: int) -> None:
+def check_file(path: Path | str, what: str, *, largest: float) -> None:
     """Refuse what cannot be read whole, before a library opens it.
+
+    Args:
+        path: The file.
+        what: What it is, for errors.
+        largest: Its largest size, bytes; infinite for files as large as they are.
 
     Raises:
         UnreadableFileError: as `read_bytes`.

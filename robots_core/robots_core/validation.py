@@ -42,7 +42,7 @@ def finite_vector(values: ArrayLike, size: int, name: str) -> Array:
         raise InvalidInputError(f'{name} must be {size} numbers, got {values!r}')
     try:
         array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidInputError(f'{name} must be {size} numbers, got {values!r}') from error
     if array.shape != (size,):
         raise InvalidInputError(f'{name} must have shape ({size},), got {array.shape}')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from difflib import get_close_matches
@@ -275,10 +276,24 @@ def yaml_value(node: yaml.Node, file: str) -> Any:
         InvalidInputError: a tag or a key that such values do not have; with its line.
     """
     try:
-        return yaml.constructor.SafeConstructor().construct_document(node)
+        return _Constructor().construct_document(node)
     except (ConstructorError, ValueError, TypeError) as error:
         reason = error.problem if isinstance(error, ConstructorError) else error
         raise located(file, node.start_mark.line + 1, f'not valid: {reason}') from None
+
+
+class _Constructor(yaml.constructor.SafeConstructor):
+    """Without whole numbers that no float holds, on which calculations would fail."""
+
+
+def _whole_number(constructor: Any, node: yaml.ScalarNode) -> int:
+    value = int(constructor.construct_yaml_int(node))
+    if abs(value) > sys.float_info.max:
+        raise ConstructorError(problem=f'a number of {len(str(node.value))} characters is too large')
+    return value
+
+
+_Constructor.add_constructor('tag:yaml.org,2002:int', _whole_number)
 
 
 def parse_yaml(text: str, file: str) -> YamlSection:

@@ -23,7 +23,10 @@ from robots_controller.report.tables import ReportTable, Row
 
 TESTS: Final = Path(__file__).parents[1]
 PYTEST: Final = ('-m', 'pytest', '-q', '--timeout', '0', '--hypothesis-profile=fuzz', '--tb=short', '-x')
-DAMAGED: Final = ('scenes', 'urdfs', 'limits', 'io_maps', 'plc_scripts', 'programs', 'meshes')
+DAMAGED: Final = (
+    *('scenes', 'frames', 'urdfs', 'limits', 'io_maps', 'contacts', 'plc_scripts', 'drivers', 'orbits'),
+    *('cabins', 'studies', 'accesses', 'points', 'values', 'programs', 'meshes'),
+)
 PROGRAMS_AT_ONCE: Final = 10
 LONGEST_STEP: Final = 300.0  # s: all kinds have their turn
 FINDING: Final = re.compile(r'\d+ failed|Falsifying example|^seed \d+ \(', re.MULTILINE)

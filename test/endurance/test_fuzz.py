@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import time
 from collections import Counter
 from itertools import islice
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from counted_cases import FILE, count_cases, counted_cases
-from fuzz import Fuzz, Step, has_finding, result_table, steps
+from fuzz import DAMAGED, TESTS, Fuzz, Step, has_finding, result_table, steps
 
 NODES = ['drive_node', 'planning_node', 'io_bridge_node']
 KINDS = {'messages', 'damaged files', 'Lua', 'generated programs'}
@@ -34,6 +35,11 @@ def test_the_steps_follow_from_a_seed_and_come_to_every_kind_and_node() -> None:
             file, _, test = argument.partition('::')
             if file.startswith('/'):
                 assert f'def {test.partition("[")[0]}' in Path(file).read_text()
+
+
+def test_every_kind_of_damaged_file_has_its_turn() -> None:
+    tests = (TESTS / 'property' / 'test_damaged_files.py').read_text()
+    assert set(DAMAGED) == set(re.findall(r'def test_damaged_(\w+)', tests))
 
 
 def test_cases_are_counted_from_any_process(tmp_path: Path) -> None:

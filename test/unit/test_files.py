@@ -54,8 +54,9 @@ LAUGHS = 'a: &a [x, x, x, x, x, x, x, x, x, x]\n' + ''.join(
         ('a: ' + 100_000 * '[', 'nested too deeply'),
         ('a: !!python/object/apply:os.system [ls]', 'not valid: could not determine a constructor'),
         ('? [1, 2]\n: 3', 'not valid'),
+        ('a: ' + 400 * '9', 'not valid: a number of 400 characters is too large'),
     ],
-    ids=['many aliases', 'of itself', 'deep', 'tag', 'list as key'],
+    ids=['many aliases', 'of itself', 'deep', 'tag', 'list as key', 'large number'],
 )
 def test_yaml_beyond_data_is_refused(tmp_path: Path, text: str, message: str):
     (tmp_path / 'a.yaml').write_text(text)

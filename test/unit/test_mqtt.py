@@ -310,8 +310,8 @@ def test_mistakes_are_told_with_their_line(row: str, message: str):
 @pytest.mark.parametrize(
     ('more', 'message'),
     [
-        (', password_file: /no/such', "password_file '/no/such' is no file"),
-        (', trusted: /no/such', "trusted '/no/such' is no file"),
+        (', password_file: /no/such', 'there is no password_file /no/such'),
+        (', trusted: /no/such', 'there is no trusted /no/such'),
         (f', certificate: {__file__}', 'certificate and key need each other'),
         (f', trusted: {__file__}', 'trusted needs tls: true'),
         (f', password_file: {__file__}', 'password_file needs a user'),

@@ -391,7 +391,7 @@ def test_a_port_that_is_taken_is_named(plain: Served, programs: Path) -> None:
     ('text', 'error'),
     [
         ('users: {plc: {}}', 'user plc needs one of password_file and certificate'),
-        ('users: {plc: {password_file: /none.txt}}', "password_file '/none.txt' is no file"),
+        ('users: {plc: {password_file: /none.txt}}', 'there is no password_file /none.txt'),
         ('security: [basic256sha256]', "security needs the server's certificate and key"),
         ('anonymous: perhaps', 'anonymous is'),
         ('user: {plc: {}}', "unknown key 'user'; did you mean 'users'"),

@@ -16,10 +16,11 @@ from robots_core.blocks.terramechanics.soil import SOILS, Soil
 from robots_core.blocks.terramechanics.wheel_contact import SoilBed, WheelContact
 from robots_core.blocks.terramechanics.wheel_soil_model import Wheel, WheelSoilModel
 from robots_core.errors import InvalidInputError, OptionError
-from robots_core.validation import Array, finite_vector
+from robots_core.validation import Array, bounded_vector, finite_vector
 from robots_core.yaml_section import YamlSection, read_yaml
 
 VECTORS: Final = ('press', 'drive')
+FARTHEST: Final = 1e6  # m, of places, and of what directions are given by
 Made = TypeVar('Made')
 
 
@@ -113,7 +114,7 @@ def _made(section: YamlSection, make: Callable[[], Made]) -> Made:
 
 
 def _vector(section: YamlSection, key: str, size: int = 3) -> Array:
-    return section.made(key, lambda value: finite_vector(value, size, key))
+    return section.made(key, lambda value: bounded_vector(value, size, key, FARTHEST, 'm'))
 
 
 def _soil(value: Any) -> Soil:

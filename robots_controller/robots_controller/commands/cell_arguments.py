@@ -10,6 +10,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.operating_modes import OperatingMode
 from robots_core.periodic.watchdog import WATCHDOG
 from robots_core.plugins import ROBOT_MODELS, installed_plugins
+from robots_core.safety_note import NOT_CERTIFIED
 
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
@@ -81,7 +82,8 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         type=kinds.number('s', least=0.0),
         default=WATCHDOG,
         metavar='SECONDS',
-        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit',
+        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit; '
+        f'{NOT_CERTIFIED}',
     )
     parser.add_argument(
         '--debug-port',
@@ -180,13 +182,15 @@ def _add_what_a_cell_is_made_of(parser: argparse.ArgumentParser) -> None:
         type=kinds.number('m/s', least=0.0),
         default=0.0,
         metavar='M_PER_S',
-        help='highest speed of the tool and of the frames of all axes on every motion; 0 for no limit',
+        help='highest speed of the tool and of the frames of all axes on every motion; 0 for no limit; '
+        f'{NOT_CERTIFIED}',
     )
     parser.add_argument(
         '--operating-mode',
         default=OperatingMode.AUTOMATIC.value,
         choices=tuple(mode.value for mode in OperatingMode),
-        help='determines who may command the robot, and how fast it may move; %(default)s by default',
+        help='determines who may command the robot, and how fast it may move; %(default)s by default; '
+        f'{NOT_CERTIFIED}',
     )
     parser.add_argument(
         '--guided',

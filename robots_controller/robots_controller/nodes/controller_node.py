@@ -48,6 +48,7 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.safety_note import NOT_CERTIFIED
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
 
@@ -89,7 +90,8 @@ class ControllerNode(ManagedNode):
         limit = self.parameter(
             'tool_speed_limit',
             0.0,
-            'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
+            'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none; '
+            f'{NOT_CERTIFIED}',
             bounds=(0.0, 100.0),
             read=checked_speed_limit,
         )

@@ -17,6 +17,7 @@ from robots_core.nodes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
+from robots_core.safety_note import NOT_CERTIFIED
 
 if TYPE_CHECKING:
     from robots_controller.control.zones.zone_guard import ZoneGuard
@@ -43,7 +44,8 @@ class WatchedZones:
         self.inputs: ZoneInputs = node.parameter(
             'zone_inputs',
             [''],
-            "digital inputs that close the borders of zones, as 'digital_input.3=off press'",
+            "digital inputs that close the borders of zones, as 'digital_input.3=off press'; "
+            f'{NOT_CERTIFIED}',
             read=parse_closing,
         )
         """Those that close zones."""

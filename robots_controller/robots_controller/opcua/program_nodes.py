@@ -19,6 +19,7 @@ from robots_controller.opcua.method_calls import answered, wrong_arguments
 from robots_controller.opcua.node_writer import NodeWriter
 from robots_controller.pendant.programs import program_files
 from robots_core.errors import InvalidInputError
+from robots_core.files import read_bytes
 
 REFRESH: Final = 2.0
 """How long after a look at the folder the next one follows, s."""
@@ -183,8 +184,8 @@ class ProgramNodes:
         if mode != READ_MODE:
             return ua.StatusCode(codes.BadNotWritable)
         try:
-            data = await asyncio.to_thread((self._folder / name).read_bytes)
-        except OSError:
+            data = await asyncio.to_thread(read_bytes, self._folder / name, 'program')
+        except InvalidInputError:
             return ua.StatusCode(codes.BadNotReadable)
         if len(self._open) >= MOST_OPEN:
             await self._forget(next(iter(self._open)))

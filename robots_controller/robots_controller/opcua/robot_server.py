@@ -11,6 +11,7 @@ from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPolicyNone
 
+from robots_controller.io.plant.credentials import read_credential
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
 from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES
@@ -127,6 +128,8 @@ class RobotServer:
 
     async def _load_certificate(self, server: Server) -> None:
         settings = self._settings
+        for path, what in ((settings.certificate, 'certificate'), (settings.key, 'key')):
+            read_credential(path, what)
         try:
             await server.load_certificate(settings.certificate)
             await server.load_private_key(settings.key)

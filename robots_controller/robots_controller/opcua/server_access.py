@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 from asyncua import ua
@@ -12,9 +11,9 @@ from asyncua.crypto.permission_rules import PermissionRuleset, User, UserRole
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 
+from robots_controller.io.plant.credentials import read_credential, read_password
 from robots_controller.opcua.server_settings import ServerSettings, ServerUser
-from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
+from robots_core.errors import InvalidInputError, RobotsError
 
 READING: Final = frozenset(
     ua.NodeId(getattr(ua.ObjectIds, f'{name}Request_Encoding_DefaultBinary'))
@@ -57,7 +56,7 @@ class ServerAccess(PermissionRuleset):  # type: ignore[misc]
     def __init__(self, settings: ServerSettings, told: Callable[[str], object]) -> None:
         self._anonymous, self._told = settings.anonymous, told
         self._passwords = {
-            user.name: (user, read_text(user.password_file, 'password file').partition('\n')[0])
+            user.name: (user, read_password(user.password_file))
             for user in settings.users
             if user.password_file
         }
@@ -123,6 +122,8 @@ def _user(known: ServerUser) -> User:
 def _der(path: str) -> bytes:
     try:
         return _loaded(path).public_bytes(Encoding.DER)
+    except RobotsError:
+        raise
     except ValueError as error:
         raise InvalidInputError(
             f'certificate {path} cannot be read: {error}; valid are DER and PEM'
@@ -130,6 +131,6 @@ def _der(path: str) -> bytes:
 
 
 def _loaded(path: str) -> x509.Certificate:
-    data = Path(path).read_bytes()
+    data = read_credential(path, 'certificate')
     load = x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate
     return load(data)

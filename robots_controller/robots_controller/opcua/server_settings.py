@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from robots_controller.io.plant.credentials import existing_file
+from robots_controller.io.plant.credentials import checked_file, existing_file, read_password
 from robots_controller.io.plant.opcua.opcua_map import POLICIES
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
@@ -120,7 +120,7 @@ def _user(below: YamlSection, name: str) -> ServerUser:
     )
     if bool(user.password_file) == bool(user.certificate):
         raise entry.error(f'user {name} needs one of password_file and certificate')
-    if user.password_file and not read_text(user.password_file, 'password file').partition('\n')[0]:
+    if user.password_file and not read_password(user.password_file):
         raise entry.error(f'the first line of {user.password_file} is empty', 'password_file')
     entry.finish()
     return user
@@ -135,11 +135,7 @@ def _security(section: YamlSection) -> tuple[str, ...]:
 
 
 def _trusted(section: YamlSection) -> tuple[str, ...]:
-    found = section.texts('trusted')
-    for text, _ in found:
-        if not Path(text).expanduser().is_file():
-            raise section.error(f'trusted {text!r} is no file', 'trusted')
-    return tuple(str(Path(text).expanduser()) for text, _ in found)
+    return tuple(checked_file(section, 'trusted', text) for text, _ in section.texts('trusted'))
 
 
 def _nameplate(section: YamlSection) -> Nameplate:

@@ -1,5 +1,6 @@
 """Bag: all messages of a ROS 2 bag of any kind, also of one that was cut off."""
 
+import math
 from collections.abc import Collection, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -16,9 +17,10 @@ from rosbags.typesys.store import Typestore
 
 from robots_controller.recording.mcap_recovery import recover_mcap
 from robots_core.errors import BagError
-from robots_core.files import exists
+from robots_core.files import MAX_TEXT, check_file, exists
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
+METADATA: Final = 'metadata.yaml'
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ def read_bag(path: Path | str) -> Bag:
     if path.is_file() and path.suffix not in STORAGE_SUFFIXES:
         kind = 'a bag of ROS 1' if path.suffix == '.bag' else f'a {path.suffix or "nameless"} file'
         raise BagError(f'{path} is {kind}; read are folders with metadata.yaml, .mcap and .db3 files')
+    _check_files(path)
     try:
         topics, messages = _read(path)
     except Exception as error:  # noqa: BLE001  # damaged files fail in as many ways as they have bytes
@@ -137,6 +140,19 @@ def read_bag(path: Path | str) -> Bag:
 
 
 Message = tuple[str, int, bytes]
+
+
+def _check_files(path: Path) -> None:
+    """Refuse what has no end or cannot be opened; a storage is as large as it is."""
+    try:
+        files = list(path.iterdir()) if path.is_dir() else [path]
+    except OSError as error:
+        raise BagError(f'{path} cannot be read: {error.strerror}') from error
+    for file in files:
+        if file.suffix in STORAGE_SUFFIXES:
+            check_file(file, 'storage of a bag', largest=math.inf)
+        elif file.name == METADATA:
+            check_file(file, 'metadata of a bag', largest=MAX_TEXT)
 
 
 def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[Message, ...]]:

@@ -3,12 +3,12 @@
 Record layout: MCAP specification, https://mcap.dev/spec.
 """
 
+import os
 import struct
 from contextlib import suppress
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2.storage_mcap import McapReader
@@ -43,16 +43,24 @@ def recover_mcap(path: Path) -> Recovered:
     Raises:
         RobotsError: it is no MCAP file of ROS 2 at all.
     """
-    data = path.read_bytes()
-    if not data:
+    try:
+        with path.open('rb') as file:
+            return _recovered(path, file)
+    except OSError as error:
+        raise BagError(f'{path} cannot be read: {error.strerror}') from error
+
+
+def _recovered(path: Path, file: BinaryIO) -> Recovered:
+    start = file.read(PROFILE.stop)
+    if not start:
         raise BagError(f'{path} is empty')
-    if not data.startswith(MAGIC):
-        raise BagError(f'{path} is no MCAP file: it begins with {data[:8]!r}')
-    size, ended = _whole_records(data)
-    if size > len(MAGIC) and data[PROFILE] != b'ros2':
-        raise BagError(f'the MCAP file is of profile {data[PROFILE]!r} ...; needed is ros2')
+    if not start.startswith(MAGIC):
+        raise BagError(f'{path} is no MCAP file: it begins with {start[:8]!r}')
+    size, ended = _whole_records(file)
+    if size > len(MAGIC) and start[PROFILE] != b'ros2':
+        raise BagError(f'the MCAP file is of profile {start[PROFILE]!r} ...; needed is ros2')
     reader = McapReader(path)
-    reader.bio, reader.data_start, reader.data_end = BytesIO(data[:size]), len(MAGIC), size
+    reader.bio, reader.data_start, reader.data_end = file, len(MAGIC), size
     messages: list[tuple[Connection, int, bytes]] = []
     # Damaged records fail in as many ways as they have bytes: what was whole before them stays.
     with suppress(Exception):
@@ -63,14 +71,15 @@ def recover_mcap(path: Path) -> Recovered:
     return Recovered(reader.connections, messages, ended and reader.statistics is not None, size)
 
 
-def _whole_records(data: bytes) -> tuple[int, bool]:
+def _whole_records(file: BinaryIO) -> tuple[int, bool]:
     """Where the whole records of a file end, and whether its data do there."""
-    position = len(MAGIC)
-    while position + 9 <= len(data):
-        operation, size = struct.unpack_from('<BQ', data, position)
+    position, length = len(MAGIC), file.seek(0, os.SEEK_END)
+    while position + 9 <= length:
+        file.seek(position)
+        operation, size = struct.unpack('<BQ', file.read(9))
         if operation in (_DATA_END, _FOOTER):
             return position, True
-        if operation == 0 or position + 9 + size > len(data):
+        if operation == 0 or position + 9 + size > length:
             break
         position += 9 + size
     return position, False

@@ -11,8 +11,10 @@ from pyarrow import csv, parquet
 from robots_controller.study.run_case import FIGURES, Row
 from robots_controller.study.study_case import StudyCase
 from robots_core.errors import InvalidInputError
+from robots_core.files import exists, read_text
 
 ROWS: Final = 'rows.jsonl'
+MAX_ROWS: Final = 1_000_000_000  # bytes
 TABLE: Final = 'results'
 _TYPES: Final = {bool: pa.bool_(), str: pa.string(), int: pa.int64(), float: pa.float64()}
 
@@ -32,16 +34,17 @@ class StudyResults:
         self._rows: dict[str, Row] = {}
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            text = (self.folder / ROWS).read_text(encoding='utf-8') if (self.folder / ROWS).exists() else ''
         except OSError as error:
             raise InvalidInputError(f'{folder} cannot hold results: {error.strerror}') from error
+        rows = self.folder / ROWS
+        text = read_text(rows, 'results of a study', largest=MAX_ROWS) if exists(rows) else ''
         lines = text.split('\n')
         # A line without its end was cut off; its case is simulated again.
         for number, line in enumerate(lines[:-1], 1):
             try:
                 item = json.loads(line)
                 self._rows[item['key']] = item['row']
-            except (ValueError, KeyError, TypeError) as error:
+            except (ValueError, KeyError, TypeError, RecursionError) as error:
                 raise InvalidInputError(
                     f'{self.folder / ROWS}:{number}: no result of a study: {error}'
                 ) from error

@@ -81,24 +81,28 @@ class AxesData:
             if not self.lower[index] < self.upper[index]:
                 raise InvalidInputError(
                     f'axis {name}: lower limit {self.lower[index]:g} must be below upper limit '
-                    f'{self.upper[index]:g}'
+                    f'{self.upper[index]:g}',
+                    joint=name,
                 )
             if np.isinf(self.lower[index]) != np.isinf(self.upper[index]):
                 raise InvalidInputError(
                     f'axis {name}: limits [{self.lower[index]:g}, {self.upper[index]:g}] must both be finite '
-                    f'or both infinite (a continuous axis)'
+                    f'or both infinite (a continuous axis)',
+                    joint=name,
                 )
             for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
                 value = getattr(self, quantity)[index]
                 if not 0.0 < value < np.inf:
                     raise InvalidInputError(
-                        f'axis {name}: {quantity} limit {value:g} must be a finite number above 0'
+                        f'axis {name}: {quantity} limit {value:g} must be a finite number above 0',
+                        joint=name,
                     )
             for quantity in ('rotor_inertia', 'coulomb_friction', 'viscous_friction'):
                 value = getattr(self, quantity)[index]
                 if not 0.0 <= value < np.inf:
                     raise InvalidInputError(
-                        f'axis {name}: {quantity} {value:g} must be a finite number, 0 or above'
+                        f'axis {name}: {quantity} {value:g} must be a finite number, 0 or above',
+                        joint=name,
                     )
 
     @property

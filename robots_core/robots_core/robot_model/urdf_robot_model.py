@@ -1,7 +1,7 @@
 """UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
@@ -27,9 +27,9 @@ from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
 from robots_core.robot_model.urdf.named_base import note_other_base
 from robots_core.robot_model.urdf.substitutions import Substitutions
-from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
-from robots_core.robot_model.urdf.urdf_inertia import check_inertia
+from robots_core.robot_model.urdf.urdf_chain import UrdfChain, pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
+from robots_core.robot_model.urdf.urdf_place import placed_in
 from robots_core.robot_model.urdf.xacro_file import expanded_xacro
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 from robots_core.yaml_section import read_yaml_data
@@ -91,34 +91,27 @@ class UrdfRobotModel(BaseRobotModel):
         substitutions = Substitutions(strict=strict)
         limits = Path(joint_limits) if joint_limits is not None else path.with_name('joint_limits.yaml')
         xml = _urdf_text(path) if xacro_arguments is None else expanded_xacro(path, xacro_arguments)
-        chain = read_urdf_chain(
-            xml,
-            base=base,
-            tip=tip,
-            joint_limits=limits if joint_limits or _has_limits(limits, substitutions) else None,
-            substitutions=substitutions,
-        )
+        placed = partial(placed_in, path.name, xml, expanded=xacro_arguments is not None)
+        free_fall = finite_vector(gravity, 3, 'gravity')
+        with placed():
+            chain = read_urdf_chain(
+                xml,
+                base=base,
+                tip=tip,
+                joint_limits=limits if joint_limits or _has_limits(limits, substitutions) else None,
+                substitutions=substitutions,
+            )
+            model = _pinocchio_model(chain)
+            model.gravity.linear = free_fall
+            chain = with_known_efforts(chain, model, substitutions)
+            self._description = with_absolute_meshes(
+                chain.xml, path.parent, None if substitutions.strict else substitutions
+            )
+            note_other_base(model, chain.base, substitutions)
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
-
-        try:
-            model = pin.buildModelFromXML(pinocchio_xml(chain))
-        except (ValueError, RuntimeError) as error:
-            raise UnknownRobotError(f'{path.name}: not a URDF that Pinocchio reads: {error}') from error
         self._name = name or model.name
-        if tuple(model.names)[1:] != chain.joints:
-            raise UnknownRobotError(
-                f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}'
-            )
-        for joint, body in zip(chain.joints, list(model.inertias)[1:], strict=True):
-            check_inertia(joint, body)
-        model.gravity.linear = finite_vector(gravity, 3, 'gravity')
-        chain = with_known_efforts(chain, model, substitutions)
         self._axes_data = chain.axes_data
-        self._description = with_absolute_meshes(
-            chain.xml, path.parent, None if substitutions.strict else substitutions
-        )
-        note_other_base(model, chain.base, substitutions)
         self._substitutions = substitutions
         self._model = model
         self._n = model.nv
@@ -127,15 +120,20 @@ class UrdfRobotModel(BaseRobotModel):
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._hulls = hulls
         self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
-        while not shapes_on_demand:
+        if not shapes_on_demand:
+            with placed():
+                self._load_shapes(path.parent)
+
+    def _load_shapes(self, folder: Path) -> None:
+        while True:
             try:
                 _ = self.visualization, self.collision_model
                 break
             except UnknownRobotError as error:
-                if 'mesh' not in error.details or substitutions.strict:
+                if 'mesh' not in error.details or self._substitutions.strict:
                     raise
                 self._description = with_absolute_meshes(
-                    self._description, path.parent, substitutions, unreadable=error
+                    self._description, folder, self._substitutions, unreadable=error
                 )
 
     def _take_memory(self) -> None:
@@ -313,6 +311,16 @@ class UrdfRobotModel(BaseRobotModel):
     @cached_property
     def _analytic_solver(self) -> AnalyticSolver:
         return AnalyticSolver(self)
+
+
+def _pinocchio_model(chain: UrdfChain) -> pin.Model:
+    try:
+        model = pin.buildModelFromXML(pinocchio_xml(chain))
+    except (ValueError, RuntimeError) as error:
+        raise UnknownRobotError(f'not a URDF that Pinocchio reads: {error}') from error
+    if tuple(model.names)[1:] != chain.joints:
+        raise UnknownRobotError(f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}')
+    return model
 
 
 def _urdf_text(path: Path) -> str:

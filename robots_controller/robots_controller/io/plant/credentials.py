@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
-from robots_core.files import read_text
+from robots_core.errors import InvalidInputError
+from robots_core.files import read_bytes, read_text
 from robots_core.yaml_section import YamlSection
+
+MAX_CREDENTIAL: Final = 1_000_000
+"""Of a certificate, a key or a password, bytes."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,7 @@ class Credentials:
         Raises:
             InvalidInputError: the file cannot be read.
         """
-        return read_text(self.password_file, 'password file').partition('\n')[0] if self.password_file else ''
+        return read_password(self.password_file) if self.password_file else ''
 
 
 def read_credentials(section: YamlSection) -> Credentials:
@@ -58,9 +63,39 @@ def existing_file(section: YamlSection, key: str) -> str:
     """The path of a file that a key names; '' for none.
 
     Raises:
-        InvalidInputError: there is no such file; with file and line.
+        InvalidInputError: there is no such file, or it cannot be read; with file and line.
     """
     path = section.text(key, '')
-    if path and not Path(path).expanduser().is_file():
-        raise section.error(f'{key} {path!r} is no file', key)
-    return str(Path(path).expanduser()) if path else ''
+    return checked_file(section, key, path) if path else ''
+
+
+def checked_file(section: YamlSection, key: str, path: str) -> str:
+    """The path of a certificate, key or password file that can be read, `~` expanded.
+
+    Raises:
+        InvalidInputError: there is no such file, or it cannot be read; with file and line.
+    """
+    try:
+        found = str(Path(path).expanduser())
+        read_credential(found, key)
+    except (InvalidInputError, RuntimeError) as error:  # RuntimeError: no such user's folder
+        raise section.error(str(error), key) from None
+    return found
+
+
+def read_credential(path: Path | str, what: str) -> bytes:
+    """The bytes of a certificate or key.
+
+    Raises:
+        InvalidInputError: the file cannot be read.
+    """
+    return read_bytes(path, what, largest=MAX_CREDENTIAL)
+
+
+def read_password(path: Path | str) -> str:
+    """The password in the first line of a file.
+
+    Raises:
+        InvalidInputError: the file cannot be read.
+    """
+    return read_text(path, 'password file', largest=MAX_CREDENTIAL).partition('\n')[0]

@@ -5,6 +5,9 @@ import re
 from pathlib import Path
 from typing import Final
 
+from robots_core.errors import InvalidInputError
+from robots_core.files import read_bytes
+
 NAME: Final = re.compile(r'<name>\s*([\w-]+)\s*</name>')
 
 
@@ -27,8 +30,8 @@ def package_places(package: str, folder: Path) -> list[Path]:
 def _package_name(folder: Path) -> str:
     """The name that the `package.xml` of a folder states, which a repository's folder need not have."""
     try:
-        found = NAME.search((folder / 'package.xml').read_text(errors='replace'))
-    except OSError:
+        found = NAME.search(read_bytes(folder / 'package.xml').decode(errors='replace'))
+    except InvalidInputError:
         return ''
     return found.group(1) if found else ''
 

@@ -12,6 +12,8 @@ from lxml import etree
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.substitutions import Substitutions
+from robots_core.robot_model.urdf.urdf_inertia import check_inertia
+from robots_core.robot_model.urdf.urdf_place import line_of
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
 from robots_core.validation import Array
 from robots_core.yaml_section import read_yaml_data
@@ -92,7 +94,7 @@ def read_urdf_chain(
 
     Raises:
         UnknownRobotError: not a URDF, no such link, no single chain, no moving joint, or limits that are
-            unknown where nothing may be substituted.
+            unknown where nothing may be substituted, or a link with the mass or inertia of no body.
         InvalidInputError: limits that contradict each other.
     """
     root = _parse(xml)
@@ -106,6 +108,8 @@ def read_urdf_chain(
     substitutions = Substitutions(strict=True) if substitutions is None else substitutions
     axes_data, unknown_effort = _axes_data(root, moving, _extra_limits(joint_limits), substitutions)
     _reduce(root, tree.below(base), {str(joint.get('name')) for joint in moving})
+    for link in root.findall('link'):
+        check_inertia(link)
     _write_limits(moving, axes_data)
     if TOOL not in tree.links:
         _add_tool(root, tip)
@@ -144,14 +148,16 @@ def _parse(xml: str) -> etree._Element:
     try:
         root = etree.fromstring(xml.encode())
     except etree.XMLSyntaxError as error:
-        raise UnknownRobotError(f'not a URDF: {error}') from error
+        line = error.lineno or 1
+        raise UnknownRobotError(f'not a URDF: {error.msg}', line=line) from error
     if root.tag != 'robot':
-        raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>')
+        raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>', **line_of(root))
     _drop_unused_properties(root, xml)
-    if next(root.iter(f'{{{XACRO}}}*'), None) is not None:
+    if (first := next(root.iter(f'{{{XACRO}}}*'), None)) is not None:
         raise UnknownRobotError(
             'not a URDF but a xacro file: load it by the name xacro:/path/to/robot.urdf.xacro, or expand it '
-            'first (xacro robot.xacro > robot.urdf)'
+            'first (xacro robot.xacro > robot.urdf)',
+            **line_of(first),
         )
     return root
 
@@ -171,13 +177,15 @@ def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
     try:
         content = read_yaml_data(path, 'limits file')
     except InvalidInputError as error:
-        raise UnknownRobotError(error.message, **error.details) from None
+        raise UnknownRobotError(error.message, **{'file': path.name, **error.details}) from None
     joints = content.get('joint_limits') if isinstance(content, dict) else None
     if not isinstance(joints, dict) or not all(isinstance(joint, dict) for joint in joints.values()):
-        raise UnknownRobotError(f'{path.name}: expected a mapping `joint_limits:` of joint names')
+        raise UnknownRobotError(
+            f'{path.name}: expected a mapping `joint_limits:` of joint names', file=path.name
+        )
     return {
         str(name): {
-            key: _number(f'{path.name}: joint {str(name)!r}', key, value)
+            key: _number(f'{path.name}: joint {str(name)!r}', key, value, file=path.name)
             for key, value in joint.items()
             if key in EXTRA_KEYS and joint.get(_switch(key), True)
         }
@@ -190,11 +198,11 @@ def _switch(key: str) -> str:
     return f'has_{key.partition("_")[2]}_limits'
 
 
-def _number(where: str, key: str, value: object) -> float:
+def _number(where: str, key: str, value: object, **details: str | float) -> float:
     try:
         return float(str(value))
     except ValueError as error:
-        raise UnknownRobotError(f'{where}: {key} = {value!r} must be a number') from error
+        raise UnknownRobotError(f'{where}: {key} = {value!r} must be a number', **details) from error
 
 
 def _axes_data(
@@ -244,11 +252,18 @@ def _axes_data(
             _without('velocity', unknown['velocity']),
             '90 degrees/s, or 0.5 m/s of axes that slide',
         )
-    axes_data = AxesData(
-        names=tuple(str(joint.get('name')) for joint in moving),
-        prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
-        **{key: np.array([row[key] for row in rows]) for key in rows[0]},
-    )
+    try:
+        axes_data = AxesData(
+            names=tuple(str(joint.get('name')) for joint in moving),
+            prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
+            **{key: np.array([row[key] for row in rows]) for key in rows[0]},
+        )
+    except InvalidInputError as error:
+        lines = {
+            str(joint.get('name')): line_of(joint) for joint in moving if joint.get('name') not in limits
+        }
+        error.details |= lines.get(str(error.details.get('joint')), {})
+        raise
     return axes_data, tuple(name in unknown['effort'] for name in axes_data.names)
 
 
@@ -261,7 +276,8 @@ def _numbers(joint: etree._Element, tag: str) -> dict[str, float]:
     """The attributes of an element of a joint; none where the URDF lacks it."""
     element, where = joint.find(tag), f'joint {str(joint.get("name"))!r}'
     attributes = {} if element is None else element.attrib
-    return {str(key): _number(where, str(key), value) for key, value in attributes.items()}
+    line = {} if element is None else line_of(element)
+    return {str(key): _number(where, str(key), value, **line) for key, value in attributes.items()}
 
 
 def _transmissions(root: etree._Element) -> dict[str, float]:
@@ -271,7 +287,8 @@ def _transmissions(root: etree._Element) -> dict[str, float]:
         reduction = transmission.findtext('.//mechanicalReduction')
         if joint is not None and reduction is not None:
             name = str(joint.get('name'))
-            reductions[name] = _number(f'transmission of joint {name!r}', 'mechanicalReduction', reduction)
+            where = f'transmission of joint {name!r}'
+            reductions[name] = _number(where, 'mechanicalReduction', reduction, **line_of(transmission))
     return reductions
 
 

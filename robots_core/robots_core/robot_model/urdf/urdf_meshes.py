@@ -25,7 +25,9 @@ def mesh_path(filename: str, folder: Path) -> Path:
     """
     found = _found(filename, folder)
     if found is None:
-        raise UnknownRobotError(f'mesh file {filename!r} not found {_searched(filename, folder)}')
+        raise UnknownRobotError(
+            f'mesh file {filename!r} not found {_searched(filename, folder)}', mesh=filename
+        )
     return found
 
 
@@ -33,7 +35,9 @@ def _found(filename: str, folder: Path) -> Path | None:
     try:
         return next((path for path in _candidates(filename, folder) if path.is_file()), None)
     except (OSError, ValueError) as problem:  # too long, a null character, or no address
-        raise UnknownRobotError(f'{filename[:100]!r} names no mesh file: {_cause(problem)}') from None
+        raise UnknownRobotError(
+            f'{filename[:100]!r} names no mesh file: {_cause(problem)}', mesh=filename
+        ) from None
 
 
 def _searched(filename: str, folder: Path) -> str:

@@ -5,6 +5,7 @@ from typing import Final
 from lxml import etree
 
 from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.urdf.urdf_place import line_of
 
 MOVING_JOINTS: Final = ('revolute', 'continuous', 'prismatic')
 TOOL: Final = 'tool0'
@@ -30,14 +31,16 @@ class LinkTree:
             for role in ('parent', 'child'):
                 if link_of(joint, role) not in self.links:
                     raise UnknownRobotError(
-                        f'{role} link {link_of(joint, role)!r} of joint {joint.get("name")!r} is missing'
+                        f'{role} link {link_of(joint, role)!r} of joint {joint.get("name")!r} is missing',
+                        **line_of(joint),
                     )
             child = link_of(joint, 'child')
             if child in self._parent_joint:
                 other = self._parent_joint[child].get('name')
                 raise UnknownRobotError(
                     f'link {child!r} has two parents, by joints {other!r} and {joint.get("name")!r}: a '
-                    f'closed loop is no tree'
+                    f'closed loop is no tree',
+                    **line_of(joint),
                 )
             self._children.setdefault(link_of(joint, 'parent'), []).append(joint)
             self._parent_joint[child] = joint
@@ -95,7 +98,8 @@ class LinkTree:
                 equal = [link_of(joint, 'child') for joint in (branch, *others)]
                 raise UnknownRobotError(
                     f'behind link {link!r} the URDF branches into {len(equal)} equally long chains, '
-                    f'beginning with {", ".join(equal)}: choose a tip, as in urdf:/path/robot.urdf?tip=LINK'
+                    f'beginning with {", ".join(equal)}: choose a tip, as in urdf:/path/robot.urdf?tip=LINK',
+                    **line_of(branch),
                 )
             axes += _moves(branch)
             link = link_of(branch, 'child')
@@ -117,24 +121,31 @@ class LinkTree:
             if joint.get('type') not in (*MOVING_JOINTS, 'fixed'):
                 raise UnknownRobotError(
                     f'joint {joint.get("name")!r} is {joint.get("type")!r}; joints of a chain are fixed, '
-                    f'{", ".join(MOVING_JOINTS)}; choose base={link_of(joint, "child")} to begin behind it'
+                    f'{", ".join(MOVING_JOINTS)}; choose base={link_of(joint, "child")} to begin behind it',
+                    **line_of(joint),
                 )
             if (mimic := joint.find('mimic')) is not None:
                 raise UnknownRobotError(
                     f'joint {joint.get("name")!r} mimics {mimic.get("joint")!r}, a chain needs its own axes; '
-                    f'choose tip={link_of(joint, "parent")} to end before it'
+                    f'choose tip={link_of(joint, "parent")} to end before it',
+                    **line_of(mimic),
                 )
         return joints[::-1]
 
     def _refuse_circle(self, start: str) -> None:
         link, passed = start, {start}
         while link in self._parent_joint:
-            link = link_of(self._parent_joint[link], 'parent')
+            joint = self._parent_joint[link]
+            link = link_of(joint, 'parent')
             if link in passed:
-                raise UnknownRobotError(f'link {link!r} hangs on itself: a closed loop is no tree')
+                raise UnknownRobotError(
+                    f'link {link!r} hangs on itself: a closed loop is no tree', **line_of(joint)
+                )
             passed.add(link)
             if len(passed) > MAX_DEPTH:
-                raise UnknownRobotError(f'over {MAX_DEPTH} links hang on each other, down to link {start!r}')
+                raise UnknownRobotError(
+                    f'over {MAX_DEPTH} links hang on each other, down to link {start!r}', **line_of(joint)
+                )
 
     def _known(self, link: str, role: str) -> str:
         if link not in self.links:
@@ -165,7 +176,7 @@ def link_of(joint: etree._Element, role: str) -> str:
     """
     element = joint.find(role)
     if element is None:
-        raise UnknownRobotError(f'joint {joint.get("name")!r} has no <{role}> link')
+        raise UnknownRobotError(f'joint {joint.get("name")!r} has no <{role}> link', **line_of(joint))
     return str(element.get('link'))
 
 

@@ -3,14 +3,18 @@
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from errno import ENOENT
 from importlib import import_module
+from io import StringIO
+from os import strerror
 from pathlib import Path
-from typing import Any, Final
+from typing import IO, Any, Final
 
 from robots_core.errors import InvalidInputError, RobotsError, UnknownRobotError
-from robots_core.files import read_text
+from robots_core.files import exists, read_text
 from robots_core.nearest_name import did_you_mean
 from robots_core.robot_model.urdf.package_places import package_places
+from robots_core.yaml_section import compose_yaml
 
 # `<robot name="$(arg name)">` comes before the argument that gives it a default.
 NAME: Final = re.compile(r'<xacro:arg\s+name\s*=\s*["\']name["\'](?:\s+default\s*=\s*["\']([^"\']+)["\'])?')
@@ -47,14 +51,15 @@ def expanded_xacro(path: Path, arguments: Mapping[str, str]) -> str:
     if named := NAME.search(text):
         arguments = {'name': named[1] or path.name.partition('.')[0], **arguments}
     try:
-        with _packages_found(substitution, path.resolve().parent):
+        with _packages_found(substitution, path.resolve().parent), _files_checked(xacro):
             urdf = str(xacro.process_file(str(path), mappings=dict(arguments)).toxml())
     except Exception as error:  # noqa: BLE001  # whatever its many steps raise
         cause = getattr(error, 'exc', None)  # xacro writes the message of what it wraps twice
         problem = cause if isinstance(cause, RobotsError) else error
     included = (Path(file) for file in getattr(xacro, 'all_includes', ()))
-    texts = [text, *(file.read_text(errors='replace') for file in included if file.is_file())]
-    known = sorted({name for one in texts for name in ARGUMENT.findall(one)})
+    known = sorted(
+        {*ARGUMENT.findall(text), *(name for file in included for name in declared_arguments(file))}
+    )
     listed = f'its arguments are {", ".join(known) or "none"}'
     for name in arguments:
         if name not in known:
@@ -97,3 +102,22 @@ def _packages_found(substitution: Any, folder: Path) -> Iterator[None]:
         yield
     finally:
         setattr(substitution, FIND, original)
+
+
+@contextmanager
+def _files_checked(xacro: Any) -> Iterator[None]:
+    """Let xacro read the files that are included, or loaded as YAML, as all files of users are read."""
+
+    def careful_open(path: str) -> IO[str]:
+        if not exists(path):
+            raise FileNotFoundError(ENOENT, strerror(ENOENT), path)  # which xacro passes over where optional
+        text = read_text(path, 'included file')
+        if not text.lstrip().startswith('<'):
+            compose_yaml(text, Path(path).name)  # refuses what is nested or repeated too often
+        return StringIO(text)
+
+    xacro.open = careful_open  # before the function of Python of that name
+    try:
+        yield
+    finally:
+        del xacro.open

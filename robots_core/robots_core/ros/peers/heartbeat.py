@@ -15,6 +15,7 @@ from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
+from robots_core.safety_note import NOT_CERTIFIED
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
@@ -120,7 +121,7 @@ def watchdog_parameter(node: RobotNode) -> float:
     value: float = node.parameter(
         'watchdog',
         WATCHDOG,
-        'without a sign of life for this long another node is lost, s; 0: none is watched',
+        f'without a sign of life for this long another node is lost, s; 0: none is watched; {NOT_CERTIFIED}',
         bounds=(0.0, LONGEST),
         read=checked_watchdog,
     )

@@ -125,8 +125,12 @@ def read_mqtt_place(item: YamlSection, channel: Channel, server: MqttServer) -> 
     return MqttPlace(
         server.name,
         topic,
-        item.made('pointer', JsonPointer.parse) if 'pointer' in item else JsonPointer('', ()),
+        item.made('pointer', _pointer) if 'pointer' in item else JsonPointer('', ()),
         read_kind(item, channel),
         item.whole('qos', 1, low=0, high=2),
         item.switch('retain', default=False),
     )
+
+
+def _pointer(value: object) -> JsonPointer:
+    return JsonPointer.parse(str(value))

@@ -14,9 +14,11 @@ from typing import Any, Final
 
 from robots_controller.io.bridge.io_port import Arrival, Number
 from robots_controller.io.bridge.place import Place
+from robots_controller.io.plant.credentials import read_credential
 from robots_controller.io.plant.opcua.opcua_frames import FrameGuard
 from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES, OpcuaServer
 from robots_controller.io.plant.plant_link import LinkError, library
+from robots_core.errors import InvalidInputError
 
 MOST_NODES: Final = 500
 """Of a request: what small servers take."""
@@ -188,6 +190,9 @@ class OpcuaLink:
         if server.security == 'none':
             return
         policies = library('asyncua.crypto.security_policies', 'asyncua', 'opcua')
+        for path, what in ((credentials.key, 'key'), (credentials.trusted, 'trusted certificate')):
+            if path:
+                read_credential(path, what)
         client.application_uri = _application_uri(Path(credentials.certificate))
         client.tloop.post(
             client.aio_obj.set_security(
@@ -205,6 +210,8 @@ class OpcuaLink:
             yield
         except (TimeoutError, concurrent.futures.TimeoutError) as error:
             raise LinkError(f'no answer within {self._server.response_timeout:g} s') from error
+        except InvalidInputError as error:
+            raise LinkError(error.message) from error
         except (OSError, self._ua.UaError) as error:
             reason = self._frames.refused or str(error).strip() or type(error).__name__
             raise LinkError(f'{self._server.endpoint}: {reason}') from error
@@ -213,7 +220,7 @@ class OpcuaLink:
 def _application_uri(certificate: Path) -> str:
     """The application that a certificate (PEM or DER) is of, which must say the same."""
     x509 = library('cryptography.x509', 'cryptography', 'opcua')
-    data = certificate.read_bytes()
+    data = read_credential(certificate, 'certificate')
     load = x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate
     names = load(data).extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     return str(next(iter(names.get_values_for_type(x509.UniformResourceIdentifier)), ''))
