@@ -14,6 +14,7 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
+from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
 from robots_core.blocks.following.guide import Guide
@@ -166,6 +167,24 @@ def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_
     publisher = cell.until_named('/drive_node', 'joint_reference', forged, STATE)
     cell.until_health(DiagnosticStatus.ERROR, '/stranger publishes joint_reference')
     assert np.abs(np.array(cell.positions) - HOME).max() < 0.01
+    assert '/stranger' in cell.call('controller_node/reset').message
+    ros_nodes.call(lambda: cell.stranger.destroy_publisher(publisher))
+    cell.wait(lambda: cell.call('controller_node/reset').success, 'a reset when the stranger is gone')
+
+
+@pytest.mark.parametrize(
+    ('topic', 'kind'),
+    [
+        ('joint_states', JointState),
+        ('joint_trajectory', JointTrajectory),
+        ('motion_result', DiagnosticStatus),
+    ],
+)
+def test_a_stranger_that_cannot_be_told_apart_stops_the_robot(ros_nodes: Any, topic: str, kind: Any) -> None:
+    cell = Cell(ros_nodes)
+    ForeignWriters(cell.controller, cell.controller._control, identified=False)
+    publisher = cell.stranger.create_publisher(kind, topic, COMMAND)
+    cell.until_health(DiagnosticStatus.ERROR, f'/stranger publishes {topic}')
     assert '/stranger' in cell.call('controller_node/reset').message
     ros_nodes.call(lambda: cell.stranger.destroy_publisher(publisher))
     cell.wait(lambda: cell.call('controller_node/reset').success, 'a reset when the stranger is gone')

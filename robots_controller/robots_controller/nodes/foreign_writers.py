@@ -1,4 +1,4 @@
-"""ForeignWriters: stops the robot while another node writes to its drives."""
+"""ForeignWriters: stops the robot while another node writes to what moves it, and cannot be told apart."""
 
 from __future__ import annotations
 
@@ -6,31 +6,49 @@ from typing import Final
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
+from robots_core.ros.peers.identified_messages import publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.robot_node import RobotNode
+from robots_core.topic_writers import WRITERS
 
-TOPICS: Final = ('joint_reference', 'drives_on')
+TO_DRIVES: Final = ('joint_reference', 'drives_on')
+OTHERS: Final = ('joint_states', 'joint_trajectory', 'motion_result')
 PERIOD: Final = 0.1  # s between looks for others that publish these
 
 
 class ForeignWriters:
-    """Looks for publishers: not all drives can tell references of other nodes apart.
+    """Looks for publishers that have no place on a topic.
+
+    Not all drives can tell references of other nodes apart. On the other topics messages of other nodes are
+    dropped, where the middleware identifies their publishers; without that, these stop the robot too.
 
     Args:
         node: The controller's node.
         control: What is stopped.
+        identified: The middleware identifies publishers.
     """
 
-    def __init__(self, node: RobotNode, control: ControlLoop) -> None:
+    def __init__(self, node: RobotNode, control: ControlLoop, *, identified: bool | None = None) -> None:
         self._node, self._control = node, control
-        self._known: set[str] = set()
+        identified = publishers_are_identified() if identified is None else identified
+        self._topics = TO_DRIVES if identified else (*TO_DRIVES, *OTHERS)
+        self._known: dict[str, set[str]] = {}
         node.create_timer(PERIOD, self._look)
 
     def _look(self) -> None:
-        writers = {name for topic in TOPICS for name in publishers_of(self._node, topic).values()}
-        # What a restart has left behind has this name.
-        foreign = writers - {self._node.get_fully_qualified_name()}
-        if foreign != self._known:
-            reason = f'{", ".join(sorted(foreign))} publishes {" or ".join(TOPICS)}'
-            self._control.watch(Fault.FOREIGN_WRITER, reason if foreign else '')
-        self._known = foreign
+        found = {topic: names for topic in self._topics if (names := self._foreign(topic))}
+        if found != self._known:
+            reason = '; '.join(
+                f'{", ".join(sorted(names))} publishes {topic}' for topic, names in found.items()
+            )
+            self._control.watch(Fault.FOREIGN_WRITER, reason)
+        self._known = found
+
+    def _foreign(self, topic: str) -> set[str]:
+        names = {*publishers_of(self._node, topic).values()}
+        namespace = self._node.get_namespace().rstrip('/')
+        # What a restart has left behind has the name of one of the suite.
+        suite = names & {f'{namespace}/{name}' for name in WRITERS[topic].nodes}
+        free = 0 if topic in TO_DRIVES else max(0, WRITERS[topic].places - len(suite))
+        foreign = names - suite
+        return foreign if len(foreign) > free else set()

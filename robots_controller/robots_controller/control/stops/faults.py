@@ -86,7 +86,7 @@ class Fault(Enum):
     FOREIGN_WRITER = (
         StopCategory.ONE,
         '0.1 s',
-        'another node publishes `joint_reference` or `drives_on`; reset when it is gone',
+        'a node without a place publishes what moves the robot, and cannot be ignored; reset when it is gone',
     )
     DEACTIVATED = (
         StopCategory.ONE,
