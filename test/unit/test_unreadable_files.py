@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import trimesh
 
 from robots_controller.io.plant.credentials import read_credentials
 from robots_controller.opcua.server_access import ServerAccess
@@ -13,6 +14,7 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.study.results import ROWS, StudyResults
 from robots_core import UrdfRobotModel
 from robots_core.errors import RobotsError
+from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.package_places import package_places
 from robots_core.yaml_section import parse_yaml
 
@@ -166,3 +168,23 @@ def test_optional_includes_may_be_missing(tmp_path: Path) -> None:
     (tmp_path / 'arm.xacro').write_text(XACRO.format(include))
     with pytest.raises(RobotsError, match='no moving joint'):
         UrdfRobotModel(tmp_path / 'arm.xacro', xacro_arguments={})
+
+
+@pytest.mark.parametrize('kind', MAKE)
+def test_materials_of_a_mesh_that_cannot_be_read_are_left_out(tmp_path: Path, kind: str) -> None:
+    mesh = trimesh.creation.box((1.0, 2.0, 3.0))
+    text = str(mesh.export(file_type='obj'))
+    (tmp_path / 'part.obj').write_text(f'mtllib part.mtl\nusemtl red\n{text}')
+    MAKE[kind][0](tmp_path / 'part.mtl')  # type: ignore[operator]
+    assert len(read_mesh(tmp_path / 'part.obj').faces) == len(mesh.faces)
+
+
+def test_data_of_a_mesh_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    for name, data in trimesh.creation.box((1.0, 2.0, 3.0)).scene().export(file_type='gltf').items():
+        (tmp_path / name).write_bytes(data)
+    assert len(read_mesh(tmp_path / 'model.gltf').faces) == 12
+    for data in tmp_path.glob('*.bin'):
+        data.unlink()
+        os.mkfifo(data)
+    with pytest.raises(RobotsError, match='cannot be read'):
+        read_mesh(tmp_path / 'model.gltf')

@@ -6,12 +6,23 @@ from typing import Final
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
+from trimesh.resolvers import FilePathResolver
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import MAX_MESH, check_file
+from robots_core.files import MAX_MESH, check_file, exists
 from robots_core.robot_model.shapes import Mesh
 
 LFS_POINTER: Final = b'version https://git-lfs'
+
+
+class _Beside(FilePathResolver):  # type: ignore[misc]  # trimesh has no types there
+    """Files that a mesh names, as its materials: those alone that can be read whole."""
+
+    def absolute(self, name: str) -> Path:
+        path = Path(super().absolute(name))
+        if exists(path):
+            check_file(path, 'file of a mesh', largest=MAX_MESH)
+        return path
 
 
 def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
@@ -30,7 +41,7 @@ def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
         if file.read(len(LFS_POINTER)) == LFS_POINTER:
             raise InvalidInputError(f'mesh file {str(path)!r} is a pointer of Git LFS: run git lfs pull')
     try:
-        mesh = trimesh.load_mesh(path)
+        mesh = trimesh.load_mesh(path, resolver=_Beside(str(path)))
         faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
         factor = np.asarray(scale, dtype=np.float64)
         if path.suffix.lower() == '.dae' and mesh.units:
