@@ -131,7 +131,7 @@ def test_strangers_do_not_disturb_a_motion_and_are_named(ros_nodes: Any) -> None
 def test_a_forged_commander_or_mode_does_not_let_strangers_move_the_robot(ros_nodes: Any) -> None:
     cell = Cell(ros_nodes)
     assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
-    commanders = cell.planner._commanders
+    commanders = cell.planner.admission.commanders
     cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
     for topic, forged in (('commander', 'REMOTE'), ('operating_mode', 'REMOTE')):
         cell.until_named('/planning_node', topic, String(data=forged), STATE)
@@ -146,7 +146,7 @@ def test_a_forged_commander_or_mode_does_not_let_strangers_move_the_robot(ros_no
 
 def test_a_controller_that_is_started_again_is_heard_at_once(ros_nodes: Any) -> None:
     cell = Cell(ros_nodes)
-    commanders = cell.planner._commanders
+    commanders = cell.planner.admission.commanders
     assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
     cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
     ros_nodes.destroy(cell.controller)
