@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from functools import cache
 from importlib import import_module
+from importlib.metadata import entry_points
 from pkgutil import walk_packages
 from subprocess import run
 from types import ModuleType
@@ -48,14 +49,19 @@ LEAN: dict[tuple[str, ...], tuple[str, ...]] = {
         'robots_core.nodes.drive_node',
         'robots_core.nodes.direct_kinematics_node',
         'robots_core.nodes.robot_state_node',
+        'robots_core.nodes.hardware_node',
         'robots_controller.nodes.io_bridge_node',
         'robots_controller.nodes.plc_node',
+        'robots_controller.nodes.force_control_node',
+        'robots_controller.nodes.wheel_soil_node',
     ),
     (*MESHES, *SCIPY, *VIEW, *LUA, 'coverage'): (
         'robots_core.kernels.compiled',
         'robots_core.nodes.inverse_kinematics_node',
         'robots_core.nodes.dynamics_node',
         'robots_controller.nodes.controller_node',
+        'robots_controller.nodes.guide_player_node',
+        'robots_controller.nodes.opcua_node',
     ),
     (*MESHES, *SCIPY, *VIEW): (
         'robots_controller.nodes.lua_program_node',
@@ -63,6 +69,8 @@ LEAN: dict[tuple[str, ...], tuple[str, ...]] = {
     ),
     (*VIEW, *LUA): ('robots_core.nodes.collision_node', 'robots_planning.nodes.planning_node'),
     (*LUA, *COMPILER): ('robots_core.nodes.visualizer_node',),
+    (*VIEW, *PLANT): ('robots_controller.nodes.pendant_node',),
+    (*MESHES, *VIEW, *LUA, *PLANT): ('robots_core.nodes.motion_cueing_node',),
 }
 
 
@@ -90,6 +98,15 @@ def loaded(unneeded: tuple[str, ...]) -> dict[str, list[str]]:
 )
 def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: tuple[str, ...]):
     assert loaded(unneeded)[module] == []
+
+
+def test_every_node_has_its_list():
+    nodes = {
+        point.module
+        for point in entry_points(group='console_scripts')
+        if point.name.endswith('_node') and point.value.startswith('robots_')
+    }
+    assert nodes <= {module for modules in LEAN.values() for module in modules}
 
 
 def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy():

@@ -1,1 +1,1 @@
-"""What robots of one maker and build share: the fields of their data, and their drawing."""
+"""What robots of one maker and build share: the fields of their data."""

@@ -1,1 +1,1 @@
-"""Inverse kinematics, in closed form, numerical and constrained, and the serial chain that they work on."""
+"""Inverse kinematics: in closed form, numerical, inside limits, and of positions that are held."""
