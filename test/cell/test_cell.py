@@ -231,6 +231,19 @@ outputs:
 """
 
 
+def reset_controller(ros_nodes: Any) -> None:
+    """Reset controller_node, as soon as it permits that."""
+    reset = ros_nodes.create_node('operator').create_client(Trigger, 'controller_node/reset')
+    ros_nodes.wait_for(reset.service_is_ready, what='the service')
+
+    def succeeds() -> bool:
+        future = reset.call_async(Trigger.Request())
+        ros_nodes.wait_for(future.done, what='the answer')
+        return bool(future.result().success)
+
+    ros_nodes.wait_for(succeeds, what='a reset')
+
+
 def collected(
     runner: Any, topic: str, kind: type, read: Callable[[Any], Any], *, latched: bool = True
 ) -> Any:
@@ -313,15 +326,7 @@ def test_a_cell_stops_without_the_node_of_its_emergency_stop_and_starts_with_its
     os.kill(cell.node_pids()['plc_node'], signal.SIGKILL)
     cell.until('plc_node is started again in 0.5 s')
     wait(lambda: stops[-1].get('fault') == 'emergency inputs lost', what='the fault')
-    reset = ros_nodes.create_node('operator').create_client(Trigger, 'controller_node/reset')
-    wait(reset.service_is_ready, what='the service')
-
-    def answer() -> bool:
-        future = reset.call_async(Trigger.Request())
-        wait(future.done, what='the answer')
-        return future.result().success
-
-    wait(answer, what='a reset after the node has come back')
+    reset_controller(ros_nodes)
     wait(lambda: 'fault' not in stops[-1], what='a robot that may move')
     cell.interrupt()
     assert cell.wait() == 130
@@ -357,13 +362,5 @@ def test_a_frozen_controller_is_killed_and_comes_back_stopped(start_cell: StartC
     cell.until('controller_node gives no sign of life for 10 s: it is killed')
     cell.until('controller_node is started again in 0.5 s')
     wait(lambda: stops[-1].get('fault') == 'controller lost', what='the fault of the new process')
-    reset = ros_nodes.create_node('operator').create_client(Trigger, 'controller_node/reset')
-    wait(reset.service_is_ready, what='the service')
-
-    def answer() -> bool:
-        future = reset.call_async(Trigger.Request())
-        wait(future.done, what='the answer')
-        return future.result().success
-
-    wait(answer, what='a reset')
+    reset_controller(ros_nodes)
     wait(lambda: 'fault' not in stops[-1], what='a robot that may move')

@@ -105,8 +105,8 @@ def _while_usable(
                 print(f'{cell.name}: {error}', flush=True)
                 return
             figures = judge(recording, robot)
-            if not figures.usable and _usable_for_another(robot, domain):
-                print(f'{cell.name}: the observer had lost the cell, and another one had not', flush=True)
+            if not figures.usable and not observer.hears and _usable_for_another(robot, domain):
+                print(f'{cell.name}: the observer hears nothing of a cell that another one uses', flush=True)
                 return  # the fault is tried again
             fault = Fault(cell.name, trial.node, trial.killed, figures)
             _tell(trial, fault, recording.reason)

@@ -64,6 +64,12 @@ class Observer(CellOperator):
                 self._found[topic] = keep or found[-1:]
 
     @property
+    def hears(self) -> bool:
+        """References or feedback came lately: one of the two comes as long as controller or drives run."""
+        newest = (self._newest(topic) for topic in ('joint_reference', 'joint_states'))
+        return any(one is not None and seconds(one.header.stamp) > time.time() - STALE for one in newest)
+
+    @property
     def moving(self) -> bool:
         """References came lately, and move the robot."""
         newest = self._newest('joint_reference')
