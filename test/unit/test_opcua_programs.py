@@ -15,7 +15,7 @@ from asyncua.client.ua_file import UaFile
 from opcua_bench import CONTROLLER, MACHINE, Served
 from opcua_client import CELL, Nodes
 from plant_partners import DEADLINE
-from robots_controller.opcua import program_nodes
+from robots_controller.opcua.address_space import program_nodes
 from robots_controller.opcua.server_settings import ServerSettings, ServerUser
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
@@ -50,7 +50,7 @@ def server(folder: Path) -> Iterator[Served]:
         ServerUser('scada', operate=False, password_file=password),
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr('robots_controller.opcua.program_nodes.REFRESH', 0.02)
+        patch.setattr('robots_controller.opcua.address_space.program_nodes.REFRESH', 0.02)
         served = Served(ServerSettings(users=users, anonymous=True), folder / 'programs')
         end = time.monotonic() + DEADLINE
         while not served.server._nodes._programs._sizes:

@@ -11,15 +11,15 @@ from typing import Final
 import numpy as np
 from asyncua import ua
 
-from robots_controller.opcua.channel_nodes import ChannelNodes
-from robots_controller.opcua.companion_types import DEVICE_SET, DI, Member, enumeration_value
-from robots_controller.opcua.engineering_units import engineering_unit
-from robots_controller.opcua.instances import Instances
-from robots_controller.opcua.node_writer import NodeWriter
-from robots_controller.opcua.program_nodes import ProgramNodes
+from robots_controller.opcua.address_space.channel_nodes import ChannelNodes
+from robots_controller.opcua.address_space.companion_types import DEVICE_SET, DI, Member, enumeration_value
+from robots_controller.opcua.address_space.engineering_units import engineering_unit
+from robots_controller.opcua.address_space.instances import Instances
+from robots_controller.opcua.address_space.node_writer import NodeWriter
+from robots_controller.opcua.address_space.program_nodes import ProgramNodes
+from robots_controller.opcua.address_space.task_nodes import TaskNodes
+from robots_controller.opcua.address_space.type_nodes import add_types
 from robots_controller.opcua.server_settings import Nameplate
-from robots_controller.opcua.task_nodes import TaskNodes
-from robots_controller.opcua.type_nodes import add_types
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.operating_modes import OperatingMode

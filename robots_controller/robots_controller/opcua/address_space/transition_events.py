@@ -5,8 +5,8 @@ from __future__ import annotations
 from asyncua import ua
 from asyncua.server.event_generator import EventGenerator
 
-from robots_controller.opcua.instances import Instances
-from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.address_space.instances import Instances
+from robots_controller.opcua.address_space.node_writer import NodeWriter
 
 TYPE = ua.ObjectIds.TransitionEventType
 

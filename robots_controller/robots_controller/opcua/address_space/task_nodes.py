@@ -8,13 +8,13 @@ from typing import Any, Final
 
 from asyncua import ua
 
-from robots_controller.opcua.companion_types import TRANSITION_REASONS, enumeration_value
-from robots_controller.opcua.instances import INACTIVE, Instances, argument
+from robots_controller.opcua.address_space.companion_types import TRANSITION_REASONS, enumeration_value
+from robots_controller.opcua.address_space.instances import INACTIVE, Instances, argument
+from robots_controller.opcua.address_space.node_writer import NodeWriter
+from robots_controller.opcua.address_space.program_nodes import ProgramNodes
+from robots_controller.opcua.address_space.transition_events import TransitionEvents
 from robots_controller.opcua.method_calls import answered, out_of_range, wrong_arguments
-from robots_controller.opcua.node_writer import NodeWriter
-from robots_controller.opcua.program_nodes import ProgramNodes
 from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
-from robots_controller.opcua.transition_events import TransitionEvents
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError

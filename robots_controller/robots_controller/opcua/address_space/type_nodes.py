@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from asyncua import ua
 
-from robots_controller.opcua.companion_types import (
+from robots_controller.opcua.address_space.companion_types import (
     ENUMERATIONS,
     OBJECT_TYPES,
     REFERENCE_TYPES,
     Member,
 )
-from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.address_space.node_writer import NodeWriter
 
 
 async def add_types(writer: NodeWriter) -> None:

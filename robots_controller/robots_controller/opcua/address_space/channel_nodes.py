@@ -8,8 +8,8 @@ from typing import Any
 from asyncua import ua
 
 from robots_controller.io.io_image import IMAGES, Channel
-from robots_controller.opcua.companion_types import Member
-from robots_controller.opcua.instances import Instances
+from robots_controller.opcua.address_space.companion_types import Member
+from robots_controller.opcua.address_space.instances import Instances
 from robots_controller.opcua.robot_port import RobotPort
 from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.pendant_state import ShownIo

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from asyncua import ua
 
-from robots_controller.opcua.companion_types import (
+from robots_controller.opcua.address_space.companion_types import (
     DI,
     ENUMERATIONS,
     OBJECT_TYPES,

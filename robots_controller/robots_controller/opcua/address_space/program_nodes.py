@@ -13,10 +13,10 @@ from typing import Any, Final
 
 from asyncua import ua
 
-from robots_controller.opcua.companion_types import Member
-from robots_controller.opcua.instances import Instances
+from robots_controller.opcua.address_space.companion_types import Member
+from robots_controller.opcua.address_space.instances import Instances
+from robots_controller.opcua.address_space.node_writer import NodeWriter
 from robots_controller.opcua.method_calls import answered, wrong_arguments
-from robots_controller.opcua.node_writer import NodeWriter
 from robots_controller.pendant.programs import program_files
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_bytes

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from asyncua import ua
 
-from robots_controller.opcua.companion_types import Member, all_members
-from robots_controller.opcua.node_writer import PARTS, NodeWriter, type_of_data
+from robots_controller.opcua.address_space.companion_types import Member, all_members
+from robots_controller.opcua.address_space.node_writer import PARTS, NodeWriter, type_of_data
 
 STRUCTURES: Final = {
     name.removeprefix('ua:').removesuffix('Type'): tuple(part for part, _, _ in PARTS[name])
