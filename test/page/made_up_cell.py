@@ -22,7 +22,7 @@ from robots_controller.pendant.page.pendant_page import PendantPage
 from robots_controller.pendant.page_access import PageAccess
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import RobotsError

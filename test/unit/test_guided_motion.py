@@ -91,7 +91,7 @@ def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
 
 
 def test_a_robot_that_nobody_lets_go_of_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr('robots_controller.program.guided_motion.LONGEST_BRAKING', 0.3)
+    monkeypatch.setattr('robots_controller.program.motions.guided_motion.LONGEST_BRAKING', 0.3)
     looks = iter(np.linspace(0.0, 50.0, 1000))
     host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(looks)))
     error = host.fails('\njog(0.001)')

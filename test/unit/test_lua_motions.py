@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.program.motion_command import PathSwitch
+from robots_controller.program.motions.motion_command import PathSwitch
 from robots_core import load_robot_model
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.program.motion_command import Anchor, MotionCommand, PathSwitch
-from robots_controller.program.path_switches import PathSwitches, switches_on_path
+from robots_controller.program.motions.motion_command import Anchor, MotionCommand, PathSwitch
+from robots_controller.program.motions.path_switches import PathSwitches, switches_on_path
 from robots_core import Pose
 from robots_core.validation import Array
 from robots_planning.motion_kinds import LINE

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robots_controller.cell.path_switching import PathSwitching
-from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_core import Pose
 from robots_core.validation import Array
 from robots_planning.motion_kinds import LINE

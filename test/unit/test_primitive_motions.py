@@ -10,8 +10,8 @@ import pytest
 
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
-from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
-from robots_controller.program.planned_primitive import PrimitivePlanner
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
+from robots_controller.program.motions.planned_primitive import PrimitivePlanner
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_core.motion_result import MotionResult

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
-from robots_controller.program.path_switches import PathSwitches, switches_on_path
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
+from robots_controller.program.motions.path_switches import PathSwitches, switches_on_path
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError, ProgramError, RobotsError

@@ -10,9 +10,9 @@ from typing import Final, Protocol
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import Configured
 from robots_controller.control.control_loop import ControllerRequest
-from robots_controller.program.modal_settings import motion_settings
-from robots_controller.program.motion_command import MotionCommand
-from robots_controller.program.planned_primitive import PlannedPrimitive, PrimitivePlanner
+from robots_controller.program.motions.modal_settings import motion_settings
+from robots_controller.program.motions.motion_command import MotionCommand
+from robots_controller.program.motions.planned_primitive import PlannedPrimitive, PrimitivePlanner
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -18,7 +18,7 @@ from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
 from robots_controller.program.clock import Clock
-from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide

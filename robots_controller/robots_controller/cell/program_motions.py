@@ -8,7 +8,7 @@ from typing import Final
 
 from robots_controller.cell.ports import PlannerPort
 from robots_controller.program.clock import Clock
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 

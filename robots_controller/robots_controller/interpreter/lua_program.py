@@ -19,8 +19,8 @@ from robots_controller.program.cell_port import CellPort, DetachedCell
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.files.taught_points import SUFFIX
-from robots_controller.program.motion_command import OutputChange
-from robots_controller.program.motion_target import RobotView
+from robots_controller.program.motions.motion_command import OutputChange
+from robots_controller.program.motions.motion_target import RobotView
 from robots_controller.program.program_state import ProgramState, RunState
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import check_convention

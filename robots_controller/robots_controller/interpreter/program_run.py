@@ -18,7 +18,7 @@ from robots_controller.interpreter.lua_sandbox import (
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.robot_functions import RobotFunctions
 from robots_controller.program.cell_port import CellPort
-from robots_controller.program.motion_target import RobotView
+from robots_controller.program.motions.motion_target import RobotView
 from robots_controller.program.program_state import ProgramState, RunState
 from robots_core.errors import ProgramError
 

@@ -33,7 +33,7 @@ from robots_controller.nodes.ports.path_switching_messages import PathSwitchingM
 from robots_controller.nodes.ports.planner_client import PlannerClient
 from robots_controller.nodes.ports.program_clock import ProgramClock
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.driver_file import Driver, read_driver

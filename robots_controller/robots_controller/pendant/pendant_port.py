@@ -8,7 +8,7 @@ from typing import Protocol
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_core.validation import Array

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from robots_controller.program.clock import Clock, WallClock
-from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_robot import ProgramRobot, UnknownRobot
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError

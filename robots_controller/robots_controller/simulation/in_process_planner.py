@@ -11,8 +11,8 @@ import numpy as np
 
 from robots_controller.cell.ports import Configured
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.program.modal_settings import PLANNING_NODE, motion_settings, without_blend
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.modal_settings import PLANNING_NODE, motion_settings, without_blend
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.simulated_clock import SimulatedClock

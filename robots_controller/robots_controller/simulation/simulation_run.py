@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.record.events import Event, ProgramStateChanged, TextPrinted
 from robots_core.errors import ProgramError
 from robots_core.validation import Array

@@ -15,7 +15,7 @@ from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.functions.signals import COMPARE
 from robots_controller.interpreter.lua_sandbox import Result
 from robots_controller.program.input_interrupts import DEFAULT_PRIORITY
-from robots_controller.program.motion_command import Kind
+from robots_controller.program.motions.motion_command import Kind
 from robots_core.errors import ProgramError
 
 _HANDLER: Final = (

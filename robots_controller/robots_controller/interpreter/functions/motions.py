@@ -18,7 +18,7 @@ from robots_controller.interpreter.functions.run_context import Family, RunConte
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import LuaCallError, Waiting
 from robots_controller.interpreter.motion_options import Condition, MotionOptions
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only

@@ -11,9 +11,9 @@ from robots_controller.interpreter.functions.lua_function import LuaFunction, Se
 from robots_controller.interpreter.lua_sandbox import PoseValues
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.files.persistent_values import PersistentValues
-from robots_controller.program.guided_motion import GuidedMotion
-from robots_controller.program.motion_command import Kind, OutputChange
-from robots_controller.program.motion_target import MotionTarget, RobotView
+from robots_controller.program.motions.guided_motion import GuidedMotion
+from robots_controller.program.motions.motion_command import Kind, OutputChange
+from robots_controller.program.motions.motion_target import MotionTarget, RobotView
 from robots_controller.program.output_pulses import OutputPulses
 from robots_controller.program.program_state import ProgramState
 from robots_core.pose import Pose

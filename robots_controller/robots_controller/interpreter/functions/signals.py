@@ -23,7 +23,7 @@ from robots_controller.interpreter.functions.lua_function import (
 )
 from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
-from robots_controller.program.motion_command import Kind, OutputChange
+from robots_controller.program.motions.motion_command import Kind, OutputChange
 
 COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
     '<': operator.lt,

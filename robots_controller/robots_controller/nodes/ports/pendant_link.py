@@ -17,7 +17,7 @@ from robots_controller.nodes.ports.pendant_moves import PendantMoves
 from robots_controller.nodes.ports.program_link import ProgramLink
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_core.ros.joint_trajectories import single_point

@@ -10,8 +10,8 @@ from nav_msgs.msg import Path
 
 from robots_controller.cell.ports import Configured
 from robots_controller.nodes.ports.planner_settings import PlannerSettings
-from robots_controller.program.modal_settings import PLANNING_NODE, without_blend
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.modal_settings import PLANNING_NODE, without_blend
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id

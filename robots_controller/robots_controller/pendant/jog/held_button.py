@@ -15,7 +15,7 @@ from robots_controller.pendant.jog.press import Press
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.operating_modes import MODES

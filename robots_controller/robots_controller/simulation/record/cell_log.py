@@ -11,7 +11,7 @@ from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage
-from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record import ros_messages as ros

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.simulation_run import SimulatedMotion
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robots_controller.program.modal_settings import motion_settings
-from robots_controller.program.motion_command import MotionCommand
+from robots_controller.program.motions.modal_settings import motion_settings
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

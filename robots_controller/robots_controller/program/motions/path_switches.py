@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.program.motion_command import MotionCommand, PathSwitch
+from robots_controller.program.motions.motion_command import MotionCommand, PathSwitch
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 

@@ -1,0 +1,1 @@
+"""Motions of a robot program: commands, targets, settings, guidance, and outputs switched on their paths."""
