@@ -71,7 +71,7 @@ def constrained_inverse_kinematics() -> None:
 
 def following_and_collision_checks() -> None:
     """Axes that follow, and distances."""
-    from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
+    from robots_core.blocks.collision.along_paths.joint_path import JointPath  # noqa: PLC0415
     from robots_core.blocks.collision.scene import Scene, SceneObject  # noqa: PLC0415
     from robots_core.blocks.collision_detection import CollisionDetection  # noqa: PLC0415
     from robots_core.blocks.following.axis_following import AxisFollowing  # noqa: PLC0415
@@ -90,7 +90,7 @@ def following_and_collision_checks() -> None:
 def drives_and_zones() -> None:
     """Drives of the higher levels, and passages through zones."""
     from robots_core.blocks import RigidBodyDrive  # noqa: PLC0415
-    from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
+    from robots_core.blocks.collision.along_paths.joint_path import JointPath  # noqa: PLC0415
     from robots_core.blocks.collision.scene import Scene  # noqa: PLC0415
     from robots_core.blocks.drives.drive_train import SecondOrderDrive  # noqa: PLC0415
     from robots_core.blocks.zones.zone import PlacedBox, Zone  # noqa: PLC0415

@@ -8,7 +8,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.results import CollisionError
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin

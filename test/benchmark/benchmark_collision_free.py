@@ -38,7 +38,7 @@ from roboplan_peer import RoboplanPeer
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection
-from robots_core.blocks.collision.path_certificate import FREE
+from robots_core.blocks.collision.along_paths.path_certificate import FREE
 from robots_core.errors import PlanningError
 from robots_planning import CollisionFreeJoint, Trajectory
 from robots_planning.free_paths.free_path_search import FreeWay

@@ -11,7 +11,7 @@ import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import AttachedObject, CollisionDetection, JointPath, Scene, SceneObject
-from robots_core.blocks.collision.path_certificate import FREE
+from robots_core.blocks.collision.along_paths.path_certificate import FREE
 from robots_core.blocks.collision.results import CollisionError
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError
 from robots_core.robot_model.shapes import Box, Capsule, Geometry, Mesh, Sphere

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from robots_core.blocks.collision.farthest_vertices import CELLS, farthest_vertices
-from robots_core.blocks.collision.nearest_points import cell_of
+from robots_core.blocks.collision.distances.farthest_vertices import CELLS, farthest_vertices
+from robots_core.blocks.collision.distances.nearest_points import cell_of
 from robots_core.blocks.collision.solids import Solid
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Mesh

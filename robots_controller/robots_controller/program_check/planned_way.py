@@ -8,7 +8,7 @@ import numpy as np
 
 from robots_controller.degrees import joints_text
 from robots_controller.simulation.simulation_run import SimulatedMotion
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_planning.pathplanning import PathPlanning
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.recorded_run import RecordedRun
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.validation import Array, read_only

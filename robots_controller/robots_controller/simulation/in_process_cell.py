@@ -25,8 +25,8 @@ from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide, guide_of_cell
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
-from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError

@@ -5,7 +5,7 @@ from .calibration.three_points import measure_base as measure_base
 from .calibration.three_points import measure_tool_orientation as measure_tool_orientation
 from .calibration.tool_center import ToolCenter as ToolCenter
 from .calibration.tool_center import measure_tool_center as measure_tool_center
-from .collision.joint_path import JointPath as JointPath
+from .collision.along_paths.joint_path import JointPath as JointPath
 from .collision.results import CollisionError as CollisionError
 from .collision.results import PathProximity as PathProximity
 from .collision.results import Proximity as Proximity

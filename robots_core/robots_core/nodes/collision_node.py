@@ -9,13 +9,13 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import (
     GUARD_MARGIN,
     LOOK_RATE,
     LOOKAHEAD,
     CollisionGuard,
 )
-from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
 from robots_core.nodes.watched_scene import WatchedScene

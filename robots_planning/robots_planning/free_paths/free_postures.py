@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.path_certificate import FREE
-from robots_core.blocks.collision.path_search import RESOLUTION
+from robots_core.blocks.collision.along_paths.path_certificate import FREE
+from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

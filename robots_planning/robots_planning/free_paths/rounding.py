@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.path_certificate import FREE
+from robots_core.blocks.collision.along_paths.path_certificate import FREE
 from robots_core.errors import PlanningError
 from robots_core.validation import Array
 from robots_planning.free_paths.free_path_search import FreeWay

@@ -12,7 +12,7 @@ import numpy as np
 from robots_controller.pendant.jog.jog_command import JogCommand
 from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_controller.program.motions.motion_command import MotionCommand
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.results import Proximity
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_vector

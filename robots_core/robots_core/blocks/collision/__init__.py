@@ -1,1 +1,1 @@
-"""Collision detection: solids, engines, scenes, proven distances, and search along joint paths."""
+"""Collision detection: solids, engines, scenes, and the guard that stops a robot before it collides."""

@@ -5,9 +5,9 @@ from itertools import combinations
 
 import numpy as np
 
-from robots_core.blocks.collision.pair_kernels import Indices
+from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.robot_solids import is_large, robot_solids
-from robots_core.blocks.collision.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid
 from robots_core.content_cache import Arrays, cache_folder, content_of, kept
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair

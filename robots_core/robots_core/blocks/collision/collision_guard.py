@@ -6,8 +6,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from robots_core.blocks.collision.joint_path import JointPath
-from robots_core.blocks.collision.path_search import RESOLUTION
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.collision.results import PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin

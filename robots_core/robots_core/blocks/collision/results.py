@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from robots_core.blocks.collision.path_search import RESOLUTION
+from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.rounding import apart

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.farthest_vertices import MANY, Indices, farthest_vertices
+from robots_core.blocks.collision.distances.farthest_vertices import MANY, Indices, farthest_vertices
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import Array, read_only

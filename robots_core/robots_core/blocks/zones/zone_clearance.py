@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.pair_kernels import Indices
-from robots_core.blocks.collision.solid_set import SolidSet
+from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid
 from robots_core.blocks.zones.wall_kernel import wall_distances
 from robots_core.blocks.zones.zone import PlacedBox, Zone

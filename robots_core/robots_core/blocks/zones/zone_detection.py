@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.robot_solids import held_solids, robot_solids, tool_solid
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.zones.zone import Zone

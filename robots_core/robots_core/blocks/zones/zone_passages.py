@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.zones.zone_clearance import ZoneClearance
 
 MARGIN: Final = 1e-3  # m

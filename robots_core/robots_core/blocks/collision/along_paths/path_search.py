@@ -14,9 +14,9 @@ from itertools import count
 
 import numpy as np
 
-from robots_core.blocks.collision.joint_path import JointPath
-from robots_core.blocks.collision.pair_kernels import Indices
-from robots_core.blocks.collision.solid_set import SolidSet
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
+from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.validation import Array
 
 RESOLUTION = 1e-4  # m

@@ -10,8 +10,8 @@ from math import sqrt
 
 import numpy as np
 
-from robots_core.blocks.collision.nearest_points import gap_along
-from robots_core.blocks.collision.pair_kernels import (
+from robots_core.blocks.collision.distances.nearest_points import gap_along
+from robots_core.blocks.collision.distances.pair_kernels import (
     Indices,
     SolidArrays,
     solid_distance,

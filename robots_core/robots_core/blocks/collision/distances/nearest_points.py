@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from robots_core.blocks.collision.farthest_vertices import EDGE, Indices
+from robots_core.blocks.collision.distances.farthest_vertices import EDGE, Indices
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     Vector,

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robots_core.blocks.collision.farthest_vertices import CELLS
-from robots_core.blocks.collision.nearest_points import PartArrays
-from robots_core.blocks.collision.pair_kernels import (
+from robots_core.blocks.collision.distances.farthest_vertices import CELLS
+from robots_core.blocks.collision.distances.nearest_points import PartArrays
+from robots_core.blocks.collision.distances.pair_kernels import (
     Indices,
     MotionArrays,
     SolidArrays,

@@ -4,7 +4,7 @@ from math import comb
 
 import numpy as np
 
-from robots_core.blocks.collision.certificate_kernel import (
+from robots_core.blocks.collision.along_paths.certificate_kernel import (
     FREE,
     BallArrays,
     BodyArrays,
@@ -14,7 +14,7 @@ from robots_core.blocks.collision.certificate_kernel import (
     certify,
     certify_line,
 )
-from robots_core.blocks.collision.solid_set import SolidSet
+from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.solids import BOX_CORNERS
 from robots_core.kernels.serial_chain import chain_frames
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -6,7 +6,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.nearest_points import PartArrays, nearest_points
+from robots_core.blocks.collision.distances.nearest_points import PartArrays, nearest_points
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     add,
