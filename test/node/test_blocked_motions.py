@@ -19,7 +19,7 @@ from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.scene_messages import markers
+from robots_core.nodes.scenes.scene_messages import markers
 from robots_core.robot_model.shapes import Capsule
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import (

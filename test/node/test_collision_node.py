@@ -22,7 +22,7 @@ from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
-from robots_core.nodes.scene_messages import markers
+from robots_core.nodes.scenes.scene_messages import markers
 from robots_core.robot_model.shapes import Sphere
 from robots_core.ros.messages import diagnostic_values, doubles, motion_result_message
 from robots_core.ros.qos import COMMAND, STATE

@@ -11,7 +11,7 @@ from robots_core import Pose
 from robots_core.blocks import AttachedObject, Scene, SceneObject
 from robots_core.blocks.collision.scene import OBJECT_COLOUR
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.scene_messages import markers, updated_scene
+from robots_core.nodes.scenes.scene_messages import markers, updated_scene
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 

@@ -13,7 +13,7 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.zones.shared_zone import LARGEST, ZoneState, parse_zone_state
 from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
 from robots_core.blocks.collision.scene import Scene
-from robots_core.nodes.scene_parameter import scene_by_parameter
+from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
@@ -55,7 +55,7 @@ class WatchedZones:
     def _make_guard(self) -> ZoneGuard:
         # They load the reading of meshes, which a controller without zones does not need.
         from robots_controller.control.zones.zone_guard import ZoneGuard  # noqa: PLC0415
-        from robots_core.nodes.watched_scene import WatchedScene  # noqa: PLC0415
+        from robots_core.nodes.scenes.watched_scene import WatchedScene  # noqa: PLC0415
 
         # In simulated time there is no other robot.
         name = '' if self._node.simulated_time else self._node.get_namespace()

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from visualization_msgs.msg import MarkerArray
 
 from robots_core.blocks.collision.scene import Scene
-from robots_core.nodes.scene_messages import updated_scene
-from robots_core.nodes.scene_parameter import scene_by_parameter
+from robots_core.nodes.scenes.scene_messages import updated_scene
+from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
