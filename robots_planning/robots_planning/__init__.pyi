@@ -3,7 +3,6 @@ from .guidance.realtime_movement import RealtimeMovement as RealtimeMovement
 from .guidance.realtime_movement import RealtimeStep as RealtimeStep
 from .guidance.teach_box import TeachBox as TeachBox
 from .guidance.teach_box import TeachStep as TeachStep
-from .limit_use import LimitUse as LimitUse
 from .motion_settings import MotionSettings as MotionSettings
 from .pathplanning import PathPlanning as PathPlanning
 from .pathplanning import PlannedMotion as PlannedMotion
@@ -19,5 +18,6 @@ from .trajectory_generators.linear_cartesian_limited import LinearCartesianLimit
 from .trajectory_generators.linear_joint import LinearJoint as LinearJoint
 from .trajectory_generators.linear_joint_axes import LinearJointAxes as LinearJointAxes
 from .trajectory_generators.spline_cartesian import SplineCartesian as SplineCartesian
-from .verification import VerificationReport as VerificationReport
-from .verification import verify as verify
+from .verification.limit_use import LimitUse as LimitUse
+from .verification.trajectory_verification import VerificationReport as VerificationReport
+from .verification.trajectory_verification import verify as verify

@@ -19,14 +19,14 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.holding import check_weight
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.planner_choice import planner_for
-from robots_planning.tool_speeds import ToolSection
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
-from robots_planning.verification import VerificationReport, verify
+from robots_planning.verification.payload_weight import check_weight
+from robots_planning.verification.tool_speeds import ToolSection
+from robots_planning.verification.trajectory_verification import VerificationReport, verify
 
 WARM_UP_STEP = 0.01  # rad, m
 MOST_GENERATORS = 16  # kept for the settings that were used last

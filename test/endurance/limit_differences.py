@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_planning.limit_use import LimitUse
+from robots_planning.verification.limit_use import LimitUse
 
 ORDERS: Final = {'velocity': 1, 'acceleration': 2, 'jerk': 3}
 # What the controller's limit guard lets pass; a plan has a margin of 1e-4 inside its limits.

@@ -30,7 +30,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
-from robots_planning.motion_results import BLOCKED
+from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.nodes.planning_node import PlanningNode
 
 from .planning_bench import ROBOT, PlanningBench

@@ -13,7 +13,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_core.errors import TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
-from robots_planning.motion_results import BLOCKED
+from robots_planning.commands.motion_results import BLOCKED
 
 from .two_axes import quintic, two_axes
 

@@ -12,7 +12,7 @@ from robots_planning import MotionSettings, PathPlanning, Trajectory
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand
 from robots_planning.commands.motion_chain import ChainPlan, MotionChain
 from robots_planning.motion_kinds import LINE
-from robots_planning.verification import JUMP_TOLERANCE
+from robots_planning.verification.trajectory_verification import JUMP_TOLERANCE
 
 from .simulated_program import PERIOD, outputs, run_text
 

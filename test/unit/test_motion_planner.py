@@ -16,8 +16,8 @@ from robots_planning import LinearJoint, MotionSettings, PathPlanning
 from robots_planning.commands.command_planner import REPLACE_LEAD
 from robots_planning.commands.command_queue import WINDOW
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
+from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
-from robots_planning.motion_results import BLOCKED
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.trajectory import Trajectory
 

@@ -15,7 +15,7 @@ from robots_planning import (
     PathPlanning,
 )
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
-from robots_planning.verification import LINE_TOLERANCE
+from robots_planning.verification.trajectory_verification import LINE_TOLERANCE
 
 
 @pytest.fixture(scope='module')

@@ -16,8 +16,8 @@ from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
+from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
-from robots_planning.motion_primitives import MotionPrimitive
 from robots_planning.motion_settings import MotionSettings
 
 HOME = np.radians([0.0, -90.0, 90.0, 0.0, 45.0, 0.0])

@@ -13,7 +13,7 @@ from robots_core.blocks import NumericalDynamics, Payload
 from robots_core.blocks.multibody.loaded_robot import LoadedRobot
 from robots_core.errors import PlanningError
 from robots_planning import LinearJoint
-from robots_planning.holding import check_weight
+from robots_planning.verification.payload_weight import check_weight
 
 from .simulated_program import PROGRAMS
 

@@ -17,7 +17,7 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
+from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
 
 STOPPED: Final = 'stopped'
 

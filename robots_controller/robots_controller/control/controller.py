@@ -28,7 +28,7 @@ from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_planning.motion_results import BLOCKED, PASSED
+from robots_planning.commands.motion_results import BLOCKED, PASSED
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need

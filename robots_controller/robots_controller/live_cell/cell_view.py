@@ -24,7 +24,7 @@ from robots_controller.live_cell.cell_events import (
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.motion_results import PASSED
+from robots_planning.commands.motion_results import PASSED
 
 MARGIN = ' ' * 8
 REPEAT_TIME = 5.0  # s

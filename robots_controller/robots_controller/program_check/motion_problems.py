@@ -12,7 +12,7 @@ from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.pathplanning import PlannedMotion
-from robots_planning.verification import RATIO_TOLERANCE, verify
+from robots_planning.verification.trajectory_verification import RATIO_TOLERANCE, verify
 
 # Smallest over largest singular value of the Jacobian, lengths in reaches of the robot: the joints move a
 # hundred times as fast in one direction as in another.

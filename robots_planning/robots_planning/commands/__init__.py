@@ -1,1 +1,1 @@
-"""From motion commands to motions: the queue, chains that blend, plans and results."""
+"""From motion commands to motions: the queue, chains that blend, motion primitives, plans and results."""

@@ -10,8 +10,8 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.motion_chain import ChainPlan, MotionChain, OpenEnd
+from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.free_paths.free_path_search import SearchCancelledError
-from robots_planning.motion_results import BLOCKED
 from robots_planning.pathplanning import PathPlanning
 
 # A motion that continues from the running one does so this much later, which planning and messages take.

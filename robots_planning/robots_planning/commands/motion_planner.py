@@ -16,8 +16,8 @@ from robots_core.validation import Array
 from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.motion_chain import ChainPlan
+from robots_planning.commands.motion_results import BLOCKED, PASSED
 from robots_planning.motion_kinds import LINE, MotionKind
-from robots_planning.motion_results import BLOCKED, PASSED
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory

@@ -17,7 +17,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, bounded_vector, finite_vector, positive, read_only
-from robots_planning.slowed_robot import SlowedRobot
+from robots_planning.guidance.slowed_robot import SlowedRobot
 
 JogAxes = Literal['base', 'base_link', 'tool', 'world']
 JOG_AXES: tuple[JogAxes, ...] = get_args(JogAxes)

@@ -14,7 +14,7 @@ from robots_core.ros.messages import NANOSECONDS, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
+from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.nodes.one_goal_server import (
     INVALID_GOAL,

@@ -10,8 +10,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import doubles, pose_stamped_message
+from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
-from robots_planning.motion_primitives import MotionPrimitive
 
 ACTION_TYPE: Final = 'ExecuteMotionPrimitiveSequence'
 LINEAR_JOINT, LINEAR_CARTESIAN, CIRCULAR_CARTESIAN = 0, 50, 51

@@ -32,7 +32,7 @@ from robots_planning.trajectory_generators.base import (
     rest_trajectory,
 )
 from robots_planning.trajectory_generators.braking import check_start_motion
-from robots_planning.verification import LONGEST_MOTION
+from robots_planning.verification.trajectory_verification import LONGEST_MOTION
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; shorter ones are rounding of the target
 TURN = 2.0 * np.pi

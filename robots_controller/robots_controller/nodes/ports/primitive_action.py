@@ -22,7 +22,7 @@ from robots_core.ros.control_actions import action_type
 from robots_core.ros.qos import subscribe_any_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
-from robots_planning.motion_primitives import MotionPrimitive
+from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.nodes.primitive_messages import ACTION_TYPE, sequence_message
 
 ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal, and for joint_states while it runs

@@ -16,7 +16,7 @@ from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
-from robots_planning.verification import verify
+from robots_planning.verification.trajectory_verification import verify
 
 STOPPED: Final = 'stopped by an empty joint_trajectory'
 GIVEN_UP_AFTER: Final = 0.5  # s, until the planner too has noticed that a commander is lost

@@ -13,8 +13,8 @@ from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE
-from robots_planning.motion_primitives import MotionPrimitive
 from robots_planning.pathplanning import PathPlanning, in_base
 from robots_planning.trajectory import Trajectory
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.limit_use import LimitUse
 from robots_planning.trajectory import Trajectory
+from robots_planning.verification.limit_use import LimitUse
 
 SAMPLE_PERIOD = 4e-3  # s, the controller's
 

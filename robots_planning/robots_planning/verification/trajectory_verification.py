@@ -13,15 +13,15 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
-from robots_planning.limit_use import LimitUse
 from robots_planning.paths.path_deviation import (
     SampledPath,
     line_deviation,
     path_deviation,
     unturned,
 )
-from robots_planning.tool_speeds import ToolSection, tool_speeds
 from robots_planning.trajectory import Trajectory
+from robots_planning.verification.limit_use import LimitUse
+from robots_planning.verification.tool_speeds import ToolSection, tool_speeds
 
 SAMPLE_PERIOD = 1e-3  # s
 LONGEST_MOTION = 3600.0  # s

@@ -1,0 +1,1 @@
+"""Verification: independent checks of a trajectory against limits, its path, tool speeds and the payload."""
