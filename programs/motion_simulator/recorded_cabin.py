@@ -14,9 +14,9 @@ from robots_controller.recording.joint_rows import joint_rows, seconds
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import Cabin, Cockpit, CueingStep, VehicleMotion, read_cabin
 from robots_core.blocks.following.following_methods import RATE
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
-from robots_core.vehicle_inputs import INPUTS, read_input
 
 POSE: Final = '/reference_pose'
 NANOSECONDS: Final = 1_000_000_000

@@ -20,9 +20,9 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_qos import bag_qos_of
 from robots_controller.simulation.record import ros_messages as ros
 from robots_core.blocks import VehicleMotion
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.validation import Array
-from robots_core.vehicle_inputs import INPUTS, read_input
 
 TOPIC: Final = 'vehicle_imu'
 TYPE: Final = INPUTS[TOPIC]

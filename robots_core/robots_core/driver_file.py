@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from robots_core.yaml_section import YamlSection, read_yaml
+from robots_core.files.yaml_section import YamlSection, read_yaml
 
 TRAJECTORY: Final = '/joint_trajectory_controller/joint_trajectory'
 JOINT_STATES: Final = '/joint_states'

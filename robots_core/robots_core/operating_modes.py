@@ -8,7 +8,7 @@ from typing import Final
 
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import CommandRefusedError
-from robots_core.named_choice import NamedChoice
+from robots_core.wording.named_choice import NamedChoice
 
 
 class Commander(NamedChoice):

@@ -7,11 +7,11 @@ from typing import Any, Final
 from urllib.parse import parse_qsl
 
 from robots_core.errors import RobotsError, UnknownRobotError
-from robots_core.nearest_name import did_you_mean
 from robots_core.plugins import ROBOT_MODELS, installed_plugins, load_plugin, plugin_text
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.urdf.xacro_file import declared_arguments
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
+from robots_core.wording.nearest_name import did_you_mean
 
 URDF_PREFIX: Final = 'urdf:'
 XACRO_PREFIX: Final = 'xacro:'

@@ -21,8 +21,8 @@ from robots_core.blocks import (
     WashoutSettings,
     read_cabin,
 )
+from robots_core.blocks.motion_cueing.vehicle_inputs import read_input
 from robots_core.errors import InvalidInputError
-from robots_core.vehicle_inputs import read_input
 
 from .simulated_program import PROGRAMS
 

@@ -30,10 +30,10 @@ from robots_core.blocks import read_scene
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.terramechanics.soil import Soil
 from robots_core.errors import RobotsError
+from robots_core.files.yaml_section import YamlSection
 from robots_core.robot_model.allowed_pairs import REASONS
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.urdf_chain import EXTRA_KEYS, read_urdf_chain
-from robots_core.yaml_section import YamlSection
 
 from .test_documentation import ROOT, blocks, names, section, table
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_bytes, read_text
-from robots_core.yaml_section import parse_yaml, read_yaml_data
+from robots_core.files.user_file import read_bytes, read_text
+from robots_core.files.yaml_section import parse_yaml, read_yaml_data
 
 
 def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):

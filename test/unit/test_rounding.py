@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_core.rounding import apart
+from robots_core.wording.rounding import apart
 
 
 @pytest.mark.parametrize(

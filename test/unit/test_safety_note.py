@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from robots_controller.commands.cell_arguments import cell_arguments
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 PARAMETERS = {'emergency_stop_inputs', 'operating_mode', 'tool_speed_limit', 'watchdog', 'zone_inputs'}
 PACKAGES = ('robots_core', 'robots_planning', 'robots_controller')

@@ -14,9 +14,9 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.study.results import ROWS, StudyResults
 from robots_core import UrdfRobotModel
 from robots_core.errors import RobotsError
+from robots_core.files.yaml_section import parse_yaml
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.package_places import package_places
-from robots_core.yaml_section import parse_yaml
 
 XACRO = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 HUGE = 2_000_000_000  # bytes, none of them on the disk

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import YamlSection, parse_yaml, read_yaml
+from robots_core.files.yaml_section import YamlSection, parse_yaml, read_yaml
 
 TEXT = """
 name: press

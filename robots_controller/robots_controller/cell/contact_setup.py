@@ -16,8 +16,8 @@ from robots_core.blocks.terramechanics.soil import SOILS, Soil
 from robots_core.blocks.terramechanics.wheel_contact import SoilBed, WheelContact
 from robots_core.blocks.terramechanics.wheel_soil_model import Wheel, WheelSoilModel
 from robots_core.errors import InvalidInputError, OptionError
+from robots_core.files.yaml_section import YamlSection, read_yaml
 from robots_core.validation import Array, bounded_vector, finite_vector
-from robots_core.yaml_section import YamlSection, read_yaml
 
 VECTORS: Final = ('press', 'drive')
 FARTHEST: Final = 1e6  # m, of places, and of what directions are given by

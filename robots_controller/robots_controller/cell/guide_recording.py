@@ -15,11 +15,11 @@ from robots_controller.recording.joint_rows import seconds
 from robots_core.base_frames import AT_BASE, frame_in_base
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import BagError, InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_core.vehicle_inputs import INPUTS, read_input
 from robots_planning.guidance.teach_box import JogAxes, jog_axes
 
 NANOSECONDS: Final = 1_000_000_000

@@ -10,7 +10,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.operating_modes import OperatingMode
 from robots_core.periodic.watchdog import WATCHDOG
 from robots_core.plugins import ROBOT_MODELS, installed_plugins
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),

@@ -9,7 +9,7 @@ from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.files.program_header import HEADER_FILES, ProgramHeader, read_program_header
 from robots_core.errors import UnreadableFileError
-from robots_core.files import is_file
+from robots_core.files.user_file import is_file
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 

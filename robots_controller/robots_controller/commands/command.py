@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from robots_core.errors import OptionError, RobotsError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
-from robots_core.nearest_name import did_you_mean
+from robots_core.wording.nearest_name import did_you_mean
 
 if TYPE_CHECKING:  # whatever completes a command line in a shell must be quick
     from rich.console import Console

@@ -16,7 +16,7 @@ from robots_controller.commands.robot_picture import robot_picture
 from robots_controller.terminal_table import Kind, TerminalTable
 from robots_core.errors import UnreadableFileError
 from robots_core.exit_codes import ExitCode
-from robots_core.files import is_file
+from robots_core.files.user_file import is_file
 from robots_core.robot_choice import URDF_PREFIX, XACRO_PREFIX, available_robot_models, load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh

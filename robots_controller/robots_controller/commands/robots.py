@@ -8,7 +8,7 @@ from typing import Final, NoReturn
 from robots_controller.commands.command import COMPLETING, CommandParser, complete, run_with_console
 from robots_controller.commands.command_table import ABOUT_ROBOTS, TOOLS
 from robots_core.exit_codes import ExitCode
-from robots_core.nearest_name import did_you_mean
+from robots_core.wording.nearest_name import did_you_mean
 
 NAME: Final = 'robots'
 WHAT: Final = 'has all commands below it: `robots list`, `robots simulate ...`'

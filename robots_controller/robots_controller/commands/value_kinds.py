@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_core.errors import RobotsError
-from robots_core.files import exists
+from robots_core.files.user_file import exists
 
 LARGEST_PORT: Final = 65535
 PLACES: Final = tuple(

@@ -21,7 +21,7 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.lua_source import chunk_name
 from robots_controller.program.program_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 
 THREAD: Final = 1
 MAX_MESSAGE: Final = 1_000_000  # bytes

@@ -10,7 +10,7 @@ from typing import Final
 from robots_controller.interpreter.lua_tokens import lua_tokens
 from robots_controller.interpreter.syntax_remedies import remedy_of
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.files import read_bytes
+from robots_core.files.user_file import read_bytes
 
 MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 # Lua shortens longer chunk names in its messages.

@@ -12,7 +12,7 @@ from robots_controller.interpreter.functions.lua_function import Argument, LuaFu
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_values import UNKNOWN, check_value, shown
 from robots_controller.program.motions.motion_command import PathSwitch
-from robots_core.nearest_name import did_you_mean
+from robots_core.wording.nearest_name import did_you_mean
 
 
 @dataclass(frozen=True)

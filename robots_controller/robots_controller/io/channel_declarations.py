@@ -10,7 +10,7 @@ from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, read_fail_safe
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import read_signals
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 
 @dataclass(frozen=True, kw_only=True)

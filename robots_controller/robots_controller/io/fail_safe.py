@@ -8,7 +8,7 @@ from typing import Final, TypeVar
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import channel_at, parse_channel, value_at
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 Value = TypeVar('Value', bound=float | None)
 

@@ -17,8 +17,8 @@ from robots_controller.io.io_signals import channel_at, value_at
 from robots_controller.io.number_kinds import INTEGERS, bits_of
 from robots_controller.io.plant.protocols import PROTOCOLS, PlantServer, read_plant_place, read_servers
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
-from robots_core.yaml_section import YamlSection, located, parse_yaml
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import YamlSection, located, parse_yaml
 
 HIGHEST_BIT: Final = 63
 LONGEST_TIME: Final = 3600.0  # s

@@ -6,7 +6,7 @@ from typing import Final, get_args
 
 from robots_controller.io.io_image import IMAGES, Channel, Direction, IoImage, Kind
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import YamlSection, located
+from robots_core.files.yaml_section import YamlSection, located
 
 LARGEST_INDEX: Final = 4096  # a typing error must not make an image of a billion channels
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from robots_controller.io.io_image import Channel
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 INTEGERS: Final[Mapping[str, tuple[int, int]]] = {
     **{f'int{size}': (-(2 ** (size - 1)), 2 ** (size - 1) - 1) for size in (8, 16, 32, 64)},

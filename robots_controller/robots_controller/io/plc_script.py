@@ -11,8 +11,8 @@ from typing import Final, Literal
 from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import channel_at, value_at
-from robots_core.files import read_text
-from robots_core.yaml_section import YamlSection, located, parse_yaml
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import YamlSection, located, parse_yaml
 
 LONGEST_TIME: Final = 86400.0  # s
 SHORTEST_PERIOD: Final = 0.001  # s

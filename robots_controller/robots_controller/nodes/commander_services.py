@@ -14,7 +14,7 @@ from robots_core.ros.peers.commander_watch import PENDANT_LOST_AFTER
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 COMMANDERS = tuple(commander for commander in Commander if commander is not Commander.NOBODY)
 

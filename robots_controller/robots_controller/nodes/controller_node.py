@@ -48,8 +48,8 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
-from robots_core.safety_note import NOT_CERTIFIED
 from robots_core.validation import Array, fraction
+from robots_core.wording.safety_note import NOT_CERTIFIED
 from robots_planning.motion_settings import settings_from_text
 
 HEALTH_RATE = 10.0  # Hz

@@ -18,7 +18,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 NODE_NAME: Final = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
 PERSISTENT: Final = (Fault.COLLISION_GUARD_LOST, Fault.EMERGENCY_INPUTS_LOST)

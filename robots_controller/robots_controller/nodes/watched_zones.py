@@ -17,7 +17,7 @@ from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 if TYPE_CHECKING:
     from robots_controller.control.zones.zone_guard import ZoneGuard

@@ -9,8 +9,8 @@ from typing import Final
 from robots_controller.io.plant.credentials import checked_file, existing_file, read_password
 from robots_controller.io.plant.opcua.opcua_map import POLICIES
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
-from robots_core.yaml_section import YamlSection, parse_yaml
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import YamlSection, parse_yaml
 
 SECURITY: Final = tuple(policy for policy in POLICIES if policy != 'none')
 """Policies that encrypt."""

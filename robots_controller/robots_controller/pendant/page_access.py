@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 
 THIS_MACHINE: Final = '127.0.0.1'
 SHORTEST_PASSWORD: Final = 8

@@ -15,7 +15,7 @@ from robots_controller.pendant.pendant_state import ShownIo
 from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program_check.program_check import ProgramProblem, check_program
 from robots_core.errors import ProgramError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 from robots_core.robot_model.axes_data import AxesData
 
 WHAT: Final = 'program'

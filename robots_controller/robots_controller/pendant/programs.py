@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 
 MOST: Final = 1000
 HELP_FOLDER: Final = 'library'

@@ -10,7 +10,7 @@ from typing import Final, Literal, get_args
 from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program.files.taught_points import TaughtPoint, points_text, read_points
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only

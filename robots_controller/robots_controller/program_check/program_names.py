@@ -7,7 +7,7 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import nesting
 from robots_controller.program_check.other_languages import FUNCTIONS, INSTEAD, VALUES
-from robots_core.nearest_name import did_you_mean
+from robots_core.wording.nearest_name import did_you_mean
 
 LUA_GLOBALS: Final = frozenset(
     [

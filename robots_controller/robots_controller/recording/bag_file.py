@@ -17,7 +17,7 @@ from rosbags.typesys.store import Typestore
 
 from robots_controller.recording.mcap_recovery import recover_mcap
 from robots_core.errors import BagError
-from robots_core.files import MAX_TEXT, check_file, exists
+from robots_core.files.user_file import MAX_TEXT, check_file, exists
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
 METADATA: Final = 'metadata.yaml'

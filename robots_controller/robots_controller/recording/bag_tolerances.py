@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal, get_args
 
-from robots_core.yaml_section import YamlSection, read_yaml
+from robots_core.files.yaml_section import YamlSection, read_yaml
 
 Mode = Literal['sequence', 'changes', 'samples', 'ignore']
 LONGEST_TIME: Final = 1e9  # s

@@ -18,8 +18,8 @@ from robots_controller.report.recorded_run import RecordedRun
 from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals, energy
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_angle, held_by
 from robots_core.pose import Pose
-from robots_core.rounding import apart
 from robots_core.validation import Array
+from robots_core.wording.rounding import apart
 from robots_planning.trajectory import Trajectory
 
 PATH_PERIOD: Final = 1e-3  # s between points of a planned path; between them it is straight to a micrometre

@@ -12,11 +12,11 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.cabin import Cabin
 from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import PlanningError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
-from robots_core.vehicle_inputs import INPUTS
 
 POSE, TWIST = 'reference_pose', 'reference_twist'
 PERIOD: Final = round(NANOSECONDS / RATE)  # ns

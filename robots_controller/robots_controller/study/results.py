@@ -11,7 +11,7 @@ from pyarrow import csv, parquet
 from robots_controller.study.run_case import FIGURES, Row
 from robots_controller.study.study_case import StudyCase
 from robots_core.errors import InvalidInputError
-from robots_core.files import exists, read_text
+from robots_core.files.user_file import exists, read_text
 
 ROWS: Final = 'rows.jsonl'
 MAX_ROWS: Final = 1_000_000_000  # bytes

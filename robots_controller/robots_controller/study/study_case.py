@@ -10,7 +10,7 @@ from typing import Final
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.study.program_variant import Value, program_variant
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 
 PROGRAM_SUFFIXES: Final = ('.lua', '.points.yaml', FRAMES_FILE)
 MOST_FILES: Final = 1000

@@ -12,8 +12,8 @@ from robots_controller.study.program_variant import Value, program_variant
 from robots_controller.study.study_case import StudyCase, packed_files
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.errors import InvalidInputError
-from robots_core.files import is_file, read_text
-from robots_core.yaml_section import YamlSection, located, read_yaml
+from robots_core.files.user_file import is_file, read_text
+from robots_core.files.yaml_section import YamlSection, located, read_yaml
 
 MOST_CASES: Final = 1_000_000
 LONGEST_TIME: Final = 3600.0  # s of simulated time

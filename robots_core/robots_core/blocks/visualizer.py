@@ -16,7 +16,7 @@ from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.page_camera import FIELD_OF_VIEW, VIEWS, CameraView, PlacedBounds, View, camera_view
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
-from robots_core.content_cache import Arrays, content_of, kept
+from robots_core.files.content_cache import Arrays, content_of, kept
 from robots_core.free_port import free_port
 from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose

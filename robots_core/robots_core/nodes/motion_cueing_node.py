@@ -10,6 +10,7 @@ from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
 from robots_core.blocks.motion_cueing.cockpit import Cockpit
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
@@ -17,7 +18,6 @@ from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.vehicle_inputs import INPUTS, read_input
 
 REASON_SHOWN: Final = 1.0  # s
 

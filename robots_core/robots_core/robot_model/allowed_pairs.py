@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import read_yaml_data
+from robots_core.files.yaml_section import read_yaml_data
 
 REASONS: Final = {
     'adjacent': 'bodies with one axis between them: its limits keep them apart',

@@ -13,7 +13,8 @@ from numpy import empty
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import read_yaml_data
 from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
@@ -32,7 +33,6 @@ from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.robot_model.urdf.urdf_place import placed_in
 from robots_core.robot_model.urdf.xacro_file import expanded_xacro
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
-from robots_core.yaml_section import read_yaml_data
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 _WORLD: Final = pin.LOCAL_WORLD_ALIGNED

@@ -7,7 +7,7 @@ from typing import Final
 
 from robots_controller.io.field_path import FieldPath
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 KEYS: Final = ('topic', 'type', 'field', 'qos')
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Final
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_bytes, read_text
-from robots_core.yaml_section import YamlSection
+from robots_core.files.user_file import read_bytes, read_text
+from robots_core.files.yaml_section import YamlSection
 
 MAX_CREDENTIAL: Final = 1_000_000
 """Of a certificate, a key or a password, bytes."""

@@ -9,7 +9,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.modbus.modbus_map import ModbusServer, read_modbus_place, read_modbus_server
 from robots_controller.io.plant.mqtt.mqtt_map import MqttServer, read_mqtt_place, read_mqtt_server
 from robots_controller.io.plant.opcua.opcua_map import OpcuaServer, read_opcua_place, read_opcua_server
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
 """A server that a map declares: its `port`, as of its places, and `polling`, the period of inputs whose row

@@ -19,7 +19,7 @@ from robots_controller.opcua.address_space.node_writer import NodeWriter
 from robots_controller.opcua.method_calls import answered, wrong_arguments
 from robots_controller.pendant.programs import program_files
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_bytes
+from robots_core.files.user_file import read_bytes
 
 REFRESH: Final = 2.0
 """How long after a look at the folder the next one follows, s."""

@@ -9,12 +9,12 @@ from types import MappingProxyType
 from typing import Any, Final, Literal
 
 from robots_controller.program.files.whole_file import write_text, yaml_text
-from robots_core.blocks.collision.placed_section import read_pose
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.files import read_text
+from robots_core.files.placed_section import read_pose
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import YamlSection, compose_yaml, parse_yaml
 from robots_core.pose import Pose
-from robots_core.yaml_section import YamlSection, compose_yaml, parse_yaml
 
 FRAMES_FILE: Final = 'frames.yaml'
 WHAT: Final = 'frames file'

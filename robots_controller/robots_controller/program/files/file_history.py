@@ -10,7 +10,7 @@ from typing import Final
 
 from robots_controller.program.files.whole_file import write_text
 from robots_core.errors import ProgramError
-from robots_core.files import read_text
+from robots_core.files.user_file import read_text
 
 LONGEST: Final = 200
 WHAT: Final = 'file'

@@ -11,9 +11,9 @@ from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 from robots_core.errors import ProgramError, RobotsError
-from robots_core.files import exists, is_file
-from robots_core.nearest_name import nearest_name
+from robots_core.files.user_file import exists, is_file
 from robots_core.robot_choice import available_robot_models, load_robot_model
+from robots_core.wording.nearest_name import nearest_name
 
 _ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit|Cabin): (\S+)\s*')
 HEADER_FILES: Final = ('scene', 'io', 'references', 'contact', 'orbit', 'cabin')

@@ -7,9 +7,9 @@ from typing import Any, Final
 
 from robots_controller.program.files.whole_file import read_file, write_text, yaml_text
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.files.yaml_section import read_yaml
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, read_only
-from robots_core.yaml_section import read_yaml
 
 HEADER: Final = (
     '# Taught points. q: joint positions, rad (m for sliding axes), in the order of the axes.\n'

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.yaml_section import read_yaml_data
+from robots_core.files.yaml_section import read_yaml_data
 
 
 def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:

@@ -9,7 +9,7 @@ from robots_core.blocks.collision.distances.pair_kernels import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.robot_solids import is_large, robot_solids
 from robots_core.blocks.collision.solids import Solid
-from robots_core.content_cache import Arrays, cache_folder, content_of, kept
+from robots_core.files.content_cache import Arrays, cache_folder, content_of, kept
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh

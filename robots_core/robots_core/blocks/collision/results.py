@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
-from robots_core.rounding import apart
 from robots_core.validation import Array
+from robots_core.wording.rounding import apart
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.solids import FLAT, HULL_EXCESS, Solid, solids_of
-from robots_core.content_cache import Arrays, content_of, kept
+from robots_core.files.content_cache import Arrays, content_of, kept
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh, Shape

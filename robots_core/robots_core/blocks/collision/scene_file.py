@@ -5,15 +5,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from robots_core.blocks.collision.placed_section import read_name, read_pose
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, PlacedObject, Scene, SceneObject
 from robots_core.blocks.zones.zone_section import read_zone
 from robots_core.errors import RobotsError
-from robots_core.files import read_text
-from robots_core.nearest_name import did_you_mean, nearest_name
+from robots_core.files.placed_section import read_name, read_pose
+from robots_core.files.user_file import read_text
+from robots_core.files.yaml_section import YamlSection, located, parse_yaml
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import finite_vector, fraction
-from robots_core.yaml_section import YamlSection, located, parse_yaml
+from robots_core.wording.nearest_name import did_you_mean, nearest_name
 
 ROUND: Final[dict[str, tuple[Callable[..., Geometry], tuple[str, ...]]]] = {
     'sphere': (Sphere, ('radius',)),

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.placed_section import read_pose
 from robots_core.blocks.multibody.payload import Payload, payload_of
+from robots_core.files.placed_section import read_pose
+from robots_core.files.yaml_section import YamlSection, read_yaml
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_core.yaml_section import YamlSection, read_yaml
 
 FASTEST: Final = 1.0  # rad/s and m/s: far beyond what anything grasps
 

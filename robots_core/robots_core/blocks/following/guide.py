@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robots_core.named_choice import NamedChoice
+from robots_core.wording.named_choice import NamedChoice
 
 
 class Guide(NamedChoice):

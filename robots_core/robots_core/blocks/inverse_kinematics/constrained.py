@@ -15,8 +15,8 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     Redundancy,
     redundancy_arrays,
 )
-from robots_core.content_cache import content_of
 from robots_core.errors import InvalidInputError
+from robots_core.files.content_cache import content_of
 from robots_core.kernels.chain_dynamics import ChainDynamics
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose

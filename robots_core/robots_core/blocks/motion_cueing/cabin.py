@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from robots_core.blocks.collision.placed_section import read_pose
 from robots_core.blocks.motion_cueing.cabin_envelope import CabinEnvelope
 from robots_core.blocks.motion_cueing.driven_vehicle import VehicleData
 from robots_core.blocks.motion_cueing.washout_settings import WashoutSettings
 from robots_core.errors import InvalidInputError
+from robots_core.files.placed_section import read_pose
+from robots_core.files.yaml_section import YamlSection, read_yaml
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_core.yaml_section import YamlSection, read_yaml
 
 if TYPE_CHECKING:
     from robots_core.blocks.motion_cueing.motion_cueing import CueingStep

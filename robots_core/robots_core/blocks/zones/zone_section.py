@@ -4,12 +4,12 @@ import re
 from types import MappingProxyType
 from typing import Final
 
-from robots_core.blocks.collision.placed_section import read_name, read_pose
 from robots_core.blocks.zones.zone import HalfSpace, Keep, PlacedBox, What, Zone
 from robots_core.errors import RobotsError
+from robots_core.files.placed_section import read_name, read_pose
+from robots_core.files.yaml_section import YamlSection, located
 from robots_core.robot_model.shapes import Box
 from robots_core.validation import finite_vector
-from robots_core.yaml_section import YamlSection, located
 
 KEEP: Final[dict[str, Keep]] = {'in': 'in', 'out': 'out'}
 NAMESPACE: Final = re.compile(r'/|(/[A-Za-z_]\w*)+', re.ASCII)

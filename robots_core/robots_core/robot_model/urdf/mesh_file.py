@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from trimesh.resolvers import FilePathResolver
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import MAX_MESH, check_file, exists
+from robots_core.files.user_file import MAX_MESH, check_file, exists
 from robots_core.robot_model.shapes import Mesh
 
 LFS_POINTER: Final = b'version https://git-lfs'

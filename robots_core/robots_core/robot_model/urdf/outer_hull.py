@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from robots_core.blocks.collision.solids import solids_of
-from robots_core.content_cache import Arrays, content_of, kept
-from robots_core.files import MAX_MESH, read_bytes
+from robots_core.files.content_cache import Arrays, content_of, kept
+from robots_core.files.user_file import MAX_MESH, read_bytes
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Mesh
 from robots_core.robot_model.urdf.mesh_file import read_mesh

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_core.errors import InvalidInputError
-from robots_core.files import read_bytes
+from robots_core.files.user_file import read_bytes
 
 NAME: Final = re.compile(r'<name>\s*([\w-]+)\s*</name>')
 

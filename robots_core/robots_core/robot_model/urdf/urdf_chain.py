@@ -10,13 +10,13 @@ import numpy as np
 from lxml import etree
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
+from robots_core.files.yaml_section import read_yaml_data
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_inertia import check_inertia
 from robots_core.robot_model.urdf.urdf_place import line_of
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
 from robots_core.validation import Array
-from robots_core.yaml_section import read_yaml_data
 
 # Defaults for limits that the files lack: full speed within half a second, full acceleration within a tenth.
 DEFAULT_RAMP_TIME = 0.5  # s

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from robots_core.errors import InvalidInputError, RobotsError, UnknownRobotError
-from robots_core.files import exists, read_text
-from robots_core.nearest_name import did_you_mean
+from robots_core.files.user_file import exists, read_text
+from robots_core.files.yaml_section import compose_yaml
 from robots_core.robot_model.urdf.package_places import package_places
-from robots_core.yaml_section import compose_yaml
+from robots_core.wording.nearest_name import did_you_mean
 
 # `<robot name="$(arg name)">` comes before the argument that gives it a default.
 NAME: Final = re.compile(r'<xacro:arg\s+name\s*=\s*["\']name["\'](?:\s+default\s*=\s*["\']([^"\']+)["\'])?')

@@ -15,7 +15,7 @@ from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
-from robots_core.safety_note import NOT_CERTIFIED
+from robots_core.wording.safety_note import NOT_CERTIFIED
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from robots_core.errors import InvalidInputError
-from robots_core.nearest_name import did_you_mean
+from robots_core.wording.nearest_name import did_you_mean
 
 TABLE: Final = 'nodes.yaml'
 """In the folder of a package's nodes; written by `python -m robots_controller.live_cell.describe_nodes`."""

@@ -7,7 +7,7 @@ from typing import Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import INTEGERS, KINDS
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 TABLES: Final = ('coil', 'discrete_input', 'holding_register', 'input_register')
 WRITABLE: Final = ('coil', 'holding_register')

@@ -8,7 +8,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import read_kind
 from robots_controller.io.plant.credentials import Credentials, read_credentials
 from robots_controller.io.plant.json_pointer import JsonPointer
-from robots_core.yaml_section import YamlSection
+from robots_core.files.yaml_section import YamlSection
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ import yaml
 from yaml.constructor import ConstructorError
 
 from robots_core.errors import FileContentError, InvalidInputError, RobotsError
-from robots_core.files import read_text
-from robots_core.nearest_name import nearest_name
+from robots_core.files.user_file import read_text
+from robots_core.wording.nearest_name import nearest_name
 
 MAX_NODES: Final = 1_000_000
 MAX_KEPT: Final = 10_000  # characters

@@ -4,9 +4,9 @@ from math import pi, radians
 from typing import Any, Final
 
 from robots_core.errors import InvalidInputError
+from robots_core.files.yaml_section import YamlSection
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_core.yaml_section import YamlSection
 
 FARTHEST: Final = 100.0  # m
 
