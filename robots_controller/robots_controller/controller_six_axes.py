@@ -17,8 +17,8 @@ from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.simulation_run import SimulatedMotion
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError
-from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
 from robots_planning.motion_settings import NOTHING

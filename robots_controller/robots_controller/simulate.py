@@ -13,8 +13,8 @@ from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError
-from robots_core.operating_modes import OperatingMode
 from robots_core.validation import positive
 from robots_planning.motion_settings import NOTHING
 

@@ -36,7 +36,7 @@ from opcua_partners import OpcuaPartner, certificate
 from plant_partners import ModbusPartner, MqttPartner
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.messages import motion_result_from_message
 from robots_core.ros.qos import COMMAND, SENSOR, STREAM
 from robots_core.ros.running.middleware import choose_transports

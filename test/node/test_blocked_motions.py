@@ -16,7 +16,7 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.scenes.scene_messages import markers

@@ -13,6 +13,7 @@ from rcl_interfaces.msg import Log
 
 from robots_controller.client import CellClient
 from robots_controller.program.run_state import RunState
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import (
     CommandRefusedError,
     InvalidInputError,
@@ -20,7 +21,6 @@ from robots_core.errors import (
     ProgramError,
     RobotsError,
 )
-from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 
 from .program_cell import ProgramCell

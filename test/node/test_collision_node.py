@@ -19,8 +19,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
-from robots_core.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.scenes.scene_messages import markers
 from robots_core.robot_model.shapes import Sphere

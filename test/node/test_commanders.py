@@ -13,8 +13,8 @@ from std_msgs.msg import Bool, Float64, String, UInt64
 from std_srvs.srv import SetBool
 
 from robots_core import load_robot_model
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
-from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import joint_state_message, stamp_id
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 

@@ -20,8 +20,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.ports import trajectory_intake
 from robots_core import load_robot_model
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
-from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import (
     diagnostic_values,

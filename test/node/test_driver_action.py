@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 from control_interfaces import control_msgs
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
-from robots_core.driver_file import Driver, DriverActionSettings, read_driver
+from robots_core.cell_interface.driver_file import Driver, DriverActionSettings, read_driver
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.hardware_node import HardwareNode
 from robots_core.ros.messages import doubles, motion_result_from_message

@@ -7,8 +7,8 @@ import pytest
 from builtin_interfaces.msg import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import RobotsError
-from robots_core.motion_result import MotionResult
 from robots_planning.nodes.follow_joint_trajectory import (
     Outcome,
     outcome_of,

@@ -12,7 +12,7 @@ from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
-from robots_core.driver_file import Driver, read_driver
+from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.hardware_node import HardwareNode
 from robots_core.ros.messages import doubles, seconds

@@ -16,7 +16,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import joint_state_message, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND

@@ -10,8 +10,8 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import TwistStamped
 
 from robots_core import Pose, load_robot_model
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointLimitError, RobotsError, UnreachablePoseError
-from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
     diagnostic_status,
     diagnostic_values,

@@ -11,10 +11,10 @@ from rclpy.parameter import Parameter
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
+from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.cell_interface.parameter_changes import CHANGES, Change, change_of
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.operating_modes import OperatingMode
-from robots_core.parameter_changes import CHANGES, Change, change_of
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.robot_node import RobotNode

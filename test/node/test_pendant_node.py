@@ -23,9 +23,9 @@ from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
 from robots_controller.report.recorded_run import read_run
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import BagError, InvalidInputError, NotNowError, ProgramError, RobotsError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
 from robots_planning.motion_settings import DESCRIPTIONS

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 
 from robots_core import Pose
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory

@@ -18,9 +18,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 
 from robots_core import Pose
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import InvalidInputError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander
 from robots_core.ros.messages import (
     diagnostic_status,
     diagnostic_values,

@@ -18,9 +18,9 @@ from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
 from robots_core.blocks.following.guide import Guide
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.messages import (
     doubles,

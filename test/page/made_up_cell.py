@@ -25,8 +25,8 @@ from robots_controller.pendant.pendant_state import PendantState, ShownIo, Shown
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.validation import Array
 
 ROOT = Path(__file__).parents[2]

@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_values, motion_result_from_message
 from robots_core.ros.qos import COMMAND

@@ -22,7 +22,7 @@ from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core import Pose
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
-from robots_core.operating_modes import OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.robot_model.shapes import Capsule
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning

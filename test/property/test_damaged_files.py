@@ -34,7 +34,7 @@ from robots_core import UrdfRobotModel
 from robots_core.blocks import read_scene
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.motion_cueing.cabin import read_cabin
-from robots_core.driver_file import read_driver
+from robots_core.cell_interface.driver_file import read_driver
 from robots_core.errors import RobotsError
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 

@@ -19,8 +19,8 @@ from robots_controller.pendant.pendant_state import PendantState, ShownIo, Shown
 from robots_controller.program.run_state import RunState
 from robots_core import load_robot_model
 from robots_core.blocks.multibody.payload import Payload
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import Commander, OperatingMode
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 SYSTEM = 'di:DeviceSet/MotionDeviceSystem'

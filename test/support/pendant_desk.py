@@ -10,7 +10,7 @@ from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_core import load_robot_model
-from robots_core.operating_modes import OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 
 ME = 'me'
 JOG = 'axes 0 +'

@@ -10,9 +10,9 @@ import pytest
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.faults import Fault
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import TrajectoryRefusedError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander
 from robots_planning.commands.motion_results import BLOCKED
 
 from .two_axes import quintic, two_axes

@@ -19,7 +19,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramStatus,
 )
 from robots_controller.live_cell.cell_view import CellView
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.pose import Pose
 
 POSE = Pose(np.array([1.2, -0.5, 0.75]), np.eye(3))

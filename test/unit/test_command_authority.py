@@ -10,8 +10,8 @@ from hypothesis import given
 
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode, check_command
 from robots_core.errors import CommandRefusedError, InvalidInputError
-from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command
 
 DOCS = Path(__file__).parents[2] / 'docs' / 'how_to' / 'operating_modes.md'
 SOMEBODY = [commander for commander in Commander if commander is not Commander.NOBODY]

@@ -13,8 +13,8 @@ from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import NotNowError, RobotsError
-from robots_core.motion_result import MotionResult
 
 from .two_axes import quintic, two_axes
 

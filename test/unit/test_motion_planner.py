@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from robots_core import Pose, load_robot_model
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning import LinearJoint, MotionSettings, PathPlanning
 from robots_planning.commands.command_planner import REPLACE_LEAD

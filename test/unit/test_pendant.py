@@ -23,8 +23,8 @@ from robots_controller.pendant.texts import LANGUAGES, read_texts
 from robots_controller.program.run_state import RunState
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_planning.motion_settings import MotionSettings, frame_numbers
 
 OTHER = 'other'

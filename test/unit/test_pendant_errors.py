@@ -21,8 +21,8 @@ from robots_core import Pose, load_robot_model
 from robots_core.blocks import MotionSamples, NumericalDynamics, Payload, identify_payload
 from robots_core.blocks.calibration.three_points import measure_base
 from robots_core.blocks.calibration.tool_center import measure_tool_center
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointLimitError, NotNowError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.orientation import rotation_from_vector
 
 ROOT = Path(__file__).parents[2]

@@ -16,8 +16,8 @@ from robots_controller.pendant.permissions import Reason
 from robots_controller.pendant.programs import program_files, read_program
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_controller.program.run_state import RunState
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import InvalidInputError
-from robots_core.operating_modes import Commander
 
 OF_NODES = ('errors.', 'faults.')  # who say them in English
 

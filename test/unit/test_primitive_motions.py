@@ -13,8 +13,8 @@ from robots_controller.cell.primitive_motions import PrimitiveControl, Primitive
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_controller.program.motions.planned_primitive import PrimitivePlanner
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError
-from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind

@@ -13,8 +13,8 @@ from robots_controller.cell.ports import Configured
 from robots_controller.cell.program_motions import LOST_TIMEOUT, MOST_SENT, ProgramMotions
 from robots_controller.program.motions.modal_settings import without_blend
 from robots_controller.program.motions.motion_command import MotionCommand
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_planning.motion_kinds import JOINT
 
 TIMEOUT = 5.0  # s

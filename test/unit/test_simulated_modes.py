@@ -11,8 +11,8 @@ from robots_controller.controller_six_axes import ControllerSixAxes, ControllerS
 from robots_controller.program.run_state import RunState
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import OperatingMode
 
 ROBOT = 'kuka_kr210_r2700'
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_core.topic_writers import LOOK_PERIOD, SILENCE, WRITERS, WriterWatch
+from robots_core.cell_interface.topic_writers import LOOK_PERIOD, SILENCE, WRITERS, WriterWatch
 
 PERIOD = 0.004  # s
 

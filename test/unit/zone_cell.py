@@ -18,7 +18,7 @@ from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_core.blocks import HalfSpace, Zone
 from robots_core.blocks.collision.scene import Scene
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 
 from .small_arms import small_arm, start_of
 

@@ -13,8 +13,8 @@ from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.motions.modal_settings import motion_settings
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.motions.planned_primitive import PlannedPrimitive, PrimitivePlanner
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive

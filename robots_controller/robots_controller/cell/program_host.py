@@ -22,8 +22,8 @@ from robots_controller.program.motions.motion_command import MotionCommand, Outp
 from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import ProgramError, RobotsError
-from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState

@@ -9,8 +9,8 @@ from typing import Final
 from robots_controller.cell.ports import PlannerPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motions.motion_command import MotionCommand
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 
 # A node restarts in about this time; a motion that no node will end must not be waited for longer.
 LOST_TIMEOUT: Final = 2.0  # s

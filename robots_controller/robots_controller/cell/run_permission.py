@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode, check_command
 from robots_core.errors import CommandRefusedError, ProgramError
-from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command
 
 
 class RunPermission:

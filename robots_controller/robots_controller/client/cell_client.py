@@ -21,8 +21,8 @@ from robots_controller.nodes.ports.commanded_motions import commanded_motions
 from robots_controller.nodes.ports.planner_client import PlannerClient
 from robots_controller.program.motions.modal_settings import BLEND_ZONES
 from robots_controller.program.motions.motion_command import MotionCommand
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
-from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.qos import make_publisher, subscribe

@@ -3,8 +3,14 @@
 import math
 from typing import Final
 
+from robots_core.cell_interface.operating_modes import (
+    MODES,
+    Commander,
+    OperatingMode,
+    check_command,
+    check_mode,
+)
 from robots_core.errors import CommandRefusedError
-from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command, check_mode
 
 HOLD_TIMEOUT: Final = 0.2  # s
 

@@ -18,8 +18,8 @@ from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zones.shared_zone import ZoneState
 from robots_controller.control.zones.zone_border import Border
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 

@@ -24,8 +24,8 @@ from robots_controller.control.stops.limit_guard import LimitGuard
 from robots_controller.control.stops.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
 from robots_controller.control.zones.zone_border import Border
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import NotNowError, TrajectoryRefusedError
-from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 from robots_planning.commands.motion_results import BLOCKED, PASSED

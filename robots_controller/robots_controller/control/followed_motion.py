@@ -8,7 +8,7 @@ import numpy as np
 
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.zones.zone_border import Border
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robots_core.blocks.following.axis_following import AxisFollowing
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, TrajectoryRefusedError
-from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 

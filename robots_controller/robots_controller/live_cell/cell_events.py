@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 

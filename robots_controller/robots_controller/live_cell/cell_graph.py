@@ -20,9 +20,9 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.motion_cueing.cabin import read_cabin
-from robots_core.driver_file import read_driver
+from robots_core.cell_interface.driver_file import read_driver
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InstallationError, OptionError
-from robots_core.operating_modes import OperatingMode
 from robots_core.periodic.watchdog import LONGEST, WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 

@@ -21,7 +21,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_core.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.commands.motion_results import PASSED

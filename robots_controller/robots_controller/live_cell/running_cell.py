@@ -21,9 +21,9 @@ from robots_controller.live_cell.processes.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.processes.node_processes import NodeProcesses
 from robots_controller.live_cell.processes.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode
 from robots_core.exit_codes import ExitCode
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import MODES, Commander, OperatingMode
 
 START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
 WAIT_REPORT = 10.0  # s between reports of what is waited for

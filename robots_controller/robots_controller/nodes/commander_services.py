@@ -9,7 +9,7 @@ from std_srvs.srv import SetBool
 
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_controller.control.control_loop import ControlLoop
-from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.ros.peers.commander_watch import PENDANT_LOST_AFTER
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import make_publisher, subscribe

@@ -28,9 +28,9 @@ from robots_controller.nodes.foreign_writers import ForeignWriters
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.watched_nodes import WatchedNodes
 from robots_controller.nodes.watched_zones import WatchedZones
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import RobotsError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode

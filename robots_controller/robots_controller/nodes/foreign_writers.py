@@ -6,10 +6,10 @@ from typing import Final
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
+from robots_core.cell_interface.topic_writers import WRITERS
 from robots_core.ros.peers.identified_messages import publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.robot_node import RobotNode
-from robots_core.topic_writers import WRITERS
 
 TO_DRIVES: Final = ('joint_reference', 'drives_on')
 OTHERS: Final = ('joint_states', 'joint_trajectory', 'motion_result')

@@ -36,7 +36,7 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
-from robots_core.driver_file import Driver, read_driver
+from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.periodic.realtime import processor_share_in_silence

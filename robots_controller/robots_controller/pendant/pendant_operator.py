@@ -30,8 +30,8 @@ from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.trends import Trends
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.operating_modes import OperatingMode
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, one_of

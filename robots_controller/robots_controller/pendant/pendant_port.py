@@ -9,8 +9,8 @@ from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motions.motion_command import MotionCommand
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import OperatingMode
 from robots_core.validation import Array
 
 

@@ -11,7 +11,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import NOTHING, Payload
-from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.program.run_state import RunState
+from robots_core.cell_interface.operating_modes import GUIDING, MODES, Commander, OperatingMode
 from robots_core.errors import CommandRefusedError
-from robots_core.operating_modes import GUIDING, MODES, Commander, OperatingMode
 
 
 class Action(StrEnum):

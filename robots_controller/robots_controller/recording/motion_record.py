@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.recording.joint_rows import joint_columns, seconds
-from robots_core.operating_modes import Commander
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only

@@ -26,7 +26,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
-from robots_core.operating_modes import OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive

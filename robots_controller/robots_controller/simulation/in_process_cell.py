@@ -29,9 +29,9 @@ from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory

@@ -16,8 +16,8 @@ from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.simulated_clock import SimulatedClock
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner

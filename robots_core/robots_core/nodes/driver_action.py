@@ -12,7 +12,7 @@ from rclpy.action.client import ActionClient
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.driver_file import DriverActionSettings
+from robots_core.cell_interface.driver_file import DriverActionSettings
 from robots_core.errors import InvalidInputError
 from robots_core.ros.control_actions import action_type
 from robots_core.ros.robot_node import RobotNode

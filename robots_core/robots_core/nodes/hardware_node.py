@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
-from robots_core.driver_file import Driver, read_driver
+from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.nodes.driver_action import DriverAction
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase

@@ -19,10 +19,10 @@ from robots_core.blocks.following.realtime_movement import RealtimeMovement, Rea
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.nodes.payload_parameter import carry_payload
-from robots_core.operating_modes import Commander
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base

@@ -18,8 +18,8 @@ from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
 from robots_core.base_frames import BASE_FRAME, frame_in_base
 from robots_core.blocks.following.pose_reference import FASTEST
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
-from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, bounded_vector
 

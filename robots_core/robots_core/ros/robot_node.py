@@ -14,9 +14,10 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
+from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.cell_interface.parameter_changes import CHANGES, Change, change_of
+from robots_core.cell_interface.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.operating_modes import OperatingMode
-from robots_core.parameter_changes import CHANGES, Change, change_of
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
@@ -27,7 +28,6 @@ from robots_core.ros.peers.publisher_names import PublisherNames, Sender
 from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
-from robots_core.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
 
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s

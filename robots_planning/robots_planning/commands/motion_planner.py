@@ -9,8 +9,8 @@ from typing import Final, Protocol
 
 import numpy as np
 
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner

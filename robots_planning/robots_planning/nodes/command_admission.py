@@ -7,7 +7,7 @@ from typing import Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from robots_core.operating_modes import Commander
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.ros.messages import NANOSECONDS, diagnostic_values, number_in
 from robots_core.ros.peers.commander_watch import NODES, PENDANT_LOST_AFTER, CommanderWatch
 from robots_core.ros.peers.fresh_commands import FreshCommands

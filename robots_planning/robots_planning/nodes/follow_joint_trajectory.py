@@ -9,8 +9,8 @@ import numpy as np
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointNamesError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times
 from robots_core.ros.messages import doubles, joint_indices, joint_values, seconds, stamp_id
 from robots_core.ros.robot_node import RobotNode

@@ -7,8 +7,8 @@ from builtin_interfaces.msg import Time
 from rclpy.task import Future
 from std_msgs.msg import Float64
 
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.ros.messages import NANOSECONDS, stamp_id
 from robots_core.ros.robot_node import RobotNode

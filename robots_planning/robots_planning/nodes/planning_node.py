@@ -16,10 +16,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.base_frames import frame_in_base
 from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.nodes.scenes.watched_scene import WatchedScene
-from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.ros.control_actions import action_type
 from robots_core.ros.message_class import message_class

@@ -28,8 +28,8 @@ from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import payload_of
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import InvalidInputError
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.ros.messages import (
     diagnostic_values,

@@ -18,8 +18,8 @@ from robots_controller.nodes.ports.program_link import ProgramLink
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motions.motion_command import MotionCommand
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.operating_modes import OperatingMode
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_values, seconds, twist_stamped_message
 from robots_core.ros.qos import make_publisher

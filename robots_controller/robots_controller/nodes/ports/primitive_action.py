@@ -16,7 +16,7 @@ from robots_controller.cell.primitive_motions import PrimitiveControl, Primitive
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.nodes.ports.feedback_client import FeedbackClient
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_core.driver_file import Driver, PrimitiveSettings
+from robots_core.cell_interface.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.control_actions import action_type
 from robots_core.ros.qos import subscribe_any_state

@@ -8,8 +8,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.nodes.ports.stream_messages import stream_point_from_message
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, NotNowError, RobotsError
-from robots_core.motion_result import MotionResult
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import subscribe

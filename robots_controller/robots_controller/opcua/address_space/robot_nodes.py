@@ -22,7 +22,7 @@ from robots_controller.opcua.address_space.type_nodes import add_types
 from robots_controller.opcua.server_settings import Nameplate
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.blocks.multibody.payload import Payload
-from robots_core.operating_modes import OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 

@@ -17,8 +17,8 @@ from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
+from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.operating_modes import MODES
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 

@@ -24,8 +24,8 @@ from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
 from robots_controller.program_check.program_check import ProgramProblem
+from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import MODES
 
 SHOWN_PRINTS: Final = 100
 BUTTONS: Final = (

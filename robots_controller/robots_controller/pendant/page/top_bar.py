@@ -11,7 +11,7 @@ from robots_controller.pendant.channels import channel_label
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
-from robots_core.operating_modes import OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 
 STEP: Final = 5  # %, of the buttons beside the override
 STATE_ICONS: Final = {

@@ -31,9 +31,9 @@ from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.blocks.collision.collision_guard import CollisionStatus
 from robots_core.blocks.floating_base.rendezvous import WORLD_FRAME, Rendezvous
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import ProgramError, RobotsError
-from robots_core.motion_result import MotionResult
-from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings, settings_as_text

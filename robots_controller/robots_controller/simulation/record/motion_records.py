@@ -8,8 +8,8 @@ from typing import Any
 
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.simulation_run import SimulatedMotion
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import RobotsError
-from robots_core.motion_result import MotionResult
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PlannedMotion
 

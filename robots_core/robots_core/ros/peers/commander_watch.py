@@ -6,8 +6,8 @@ from typing import Final
 from std_msgs.msg import String
 
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.operating_modes import Commander, OperatingMode, check_command
 from robots_core.errors import RobotsError
-from robots_core.operating_modes import Commander, OperatingMode, check_command
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 

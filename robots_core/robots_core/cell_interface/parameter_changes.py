@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Final
 
-from robots_core.operating_modes import MODES, OperatingMode
+from robots_core.cell_interface.operating_modes import MODES, OperatingMode
 
 
 class Change(StrEnum):
