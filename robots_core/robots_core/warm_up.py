@@ -111,7 +111,7 @@ def drives_and_zones() -> None:
 
 def analytic_inverse_kinematics() -> None:
     """All closed forms, compiled with their signatures."""
-    import_module('robots_core.robot_model.analytic.kernels')
+    import_module('robots_core.robot_model.analytic.analytic_kernel')
 
 
 # Of every cell.

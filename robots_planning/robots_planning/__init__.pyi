@@ -8,7 +8,6 @@ from .pathplanning import PathPlanning as PathPlanning
 from .pathplanning import PlannedMotion as PlannedMotion
 from .robot_command_state import RobotCommandState as RobotCommandState
 from .trajectory import Trajectory as Trajectory
-from .trajectory_generators.base import TrajectoryGenerator as TrajectoryGenerator
 from .trajectory_generators.circular_cartesian import CircularCartesian as CircularCartesian
 from .trajectory_generators.collision_free_joint import CollisionFreeJoint as CollisionFreeJoint
 from .trajectory_generators.linear_cartesian_dynamic_programming import (
@@ -18,6 +17,7 @@ from .trajectory_generators.linear_cartesian_limited import LinearCartesianLimit
 from .trajectory_generators.linear_joint import LinearJoint as LinearJoint
 from .trajectory_generators.linear_joint_axes import LinearJointAxes as LinearJointAxes
 from .trajectory_generators.spline_cartesian import SplineCartesian as SplineCartesian
+from .trajectory_generators.trajectory_generator import TrajectoryGenerator as TrajectoryGenerator
 from .verification.limit_use import LimitUse as LimitUse
 from .verification.trajectory_verification import VerificationReport as VerificationReport
 from .verification.trajectory_verification import verify as verify

@@ -23,7 +23,11 @@ from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.planner_choice import planner_for
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
+from robots_planning.trajectory_generators.trajectory_generator import (
+    Target,
+    ToolGeometry,
+    TrajectoryGenerator,
+)
 from robots_planning.verification.payload_weight import check_weight
 from robots_planning.verification.tool_speeds import ToolSection
 from robots_planning.verification.trajectory_verification import VerificationReport, verify

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from robots_core.errors import InvalidInputError
 from robots_core.plugins import installed_plugins, load_plugin
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
-from robots_planning.trajectory_generators.base import TrajectoryGenerator
+from robots_planning.trajectory_generators.trajectory_generator import TrajectoryGenerator
 
 if TYPE_CHECKING:
     from robots_planning.motion_settings import MotionSettings

@@ -44,7 +44,7 @@ from robots_planning import CollisionFreeJoint, Trajectory
 from robots_planning.free_paths.free_path_search import FreeWay
 from robots_planning.free_paths.rounding import rounded
 from robots_planning.timing.time_optimal import TimeOptimalTiming
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
 BUDGET = 2.0  # s
 THINNEST = 0.005  # m, that OMPL's discrete checks shall not miss

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from robots_controller.defaults import RATE
 from robots_controller.live_cell.cell_command import parse_options, run_cell
-from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.drives.drive_choice import DRIVE_LEVELS
 from short_programs import SHORTENED, SHORTEST, short_copy
 
 WIDTH = 120

@@ -21,7 +21,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.messages import (
     doubles,
     joint_state_message,

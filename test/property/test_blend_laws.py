@@ -16,7 +16,7 @@ from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.paths.circular_arc import CircularArc
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 from robots_planning.verification.trajectory_verification import LINE_TOLERANCE
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'bello_bot')

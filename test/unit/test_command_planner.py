@@ -14,7 +14,7 @@ from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanne
 from robots_planning.commands.command_queue import CommandQueue, QueuedCommand
 from robots_planning.commands.motion_chain import ChainPlan
 from robots_planning.motion_kinds import JOINT, LINE, MotionKind
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 
 @pytest.fixture(scope='module')

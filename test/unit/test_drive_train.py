@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lti
 
 from robots_core import load_robot_model
-from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.drive_train import IdealDrive, SecondOrderDrive
 from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive

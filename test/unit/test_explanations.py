@@ -18,7 +18,7 @@ from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.zones.zone_passages import MARGIN
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 from robots_planning.verification.trajectory_verification import (
     DYNAMICS_PERIOD,
     LINE_TOLERANCE,

@@ -12,7 +12,7 @@ from robots_core import Pose, UrdfRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection
 from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of
 from robots_core.blocks.collision.solids import solids_of
-from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.errors import InvalidInputError, JointLimitError, UnknownRobotError
 from robots_core.files.content_cache import cache_folder
 from robots_core.robot_model.shapes import Cylinder, Mesh, Sphere

@@ -14,7 +14,7 @@ from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.pathplanning import PlannedMotion
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 ZONE = 0.03  # m
 JOINT_ZONE = 0.1  # rad

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from robots_core import Pose, load_robot_model
-from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.floating_base.orbit import Approach, Gripper, Orbit, Target, Wheels, read_orbit
 from robots_core.blocks.floating_base.rendezvous import Rendezvous

@@ -10,10 +10,10 @@ from distributed import LocalCluster
 from pyarrow import csv, parquet
 
 from robots_controller.commands.command_table import STUDY as STUDY_COMMAND
-from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
 from robots_controller.study.run_study import run_study
 from robots_controller.study.study_file import Study, read_study
+from robots_controller.study.study_results import ROWS, StudyResults
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.exit_codes import ExitCode
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_core import load_robot_model
-from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.supervised_drives import MAX_EXTRAPOLATED, DriveState, SupervisedDrives
 

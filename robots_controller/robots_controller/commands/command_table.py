@@ -31,14 +31,14 @@ REPORT: Final = Command(
     'report',
     'shows a recorded run as an HTML page and in the terminal, or compares two runs',
     tool_arguments.report_arguments,
-    'robots_controller.report.cli:report',
+    'robots_controller.report.command_line:report',
     json=True,
 )
 STUDY: Final = Command(
     'study',
     'simulates a program over a grid of robots, drives, speeds and parameters, and writes one table',
     tool_arguments.study_arguments,
-    'robots_controller.study.cli:study',
+    'robots_controller.study.command_line:study',
     json=True,
 )
 CHECK_BAG: Final = Command(

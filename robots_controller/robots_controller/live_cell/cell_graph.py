@@ -17,7 +17,7 @@ from robots_controller.io.zone_inputs import closing_inputs, closing_texts
 from robots_controller.opcua.server_settings import read_server_settings
 from robots_controller.pendant.page_access import read_access
 from robots_core.blocks.collision.scene_file import read_scene
-from robots_core.blocks.drives.drive_level import check_level
+from robots_core.blocks.drives.drive_choice import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.motion_cueing.cabin import read_cabin
 from robots_core.cell_interface.driver_file import read_driver

@@ -14,7 +14,7 @@ from robots_planning.motion_kinds import JOINT_TO_POSE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 from robots_planning.verification.trajectory_verification import verify
 
 STAY: Final = 0.02  # s

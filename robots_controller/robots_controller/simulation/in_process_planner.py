@@ -24,7 +24,7 @@ from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 Mail = deque[Callable[[], None]]
 """What was sent and is not delivered yet, in the order in which it was sent."""

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from robots_controller.study.case_runners import run_here, run_on_scheduler
-from robots_controller.study.results import StudyResults
 from robots_controller.study.run_case import Row
 from robots_controller.study.study_file import Study
+from robots_controller.study.study_results import StudyResults
 
 
 def run_study(

@@ -15,8 +15,8 @@ from .collision.scene import SceneObject as SceneObject
 from .collision.scene_file import read_scene as read_scene
 from .collision_detection import CollisionDetection as CollisionDetection
 from .direct_kinematics import DirectKinematics as DirectKinematics
+from .drives.drive_choice import drive_train as drive_train
 from .drives.drive_faults import DriveFaults as DriveFaults
-from .drives.drive_level import drive_train as drive_train
 from .drives.drive_train import DriveTrain as DriveTrain
 from .drives.drive_train import IdealDrive as IdealDrive
 from .drives.drive_train import SecondOrderDrive as SecondOrderDrive

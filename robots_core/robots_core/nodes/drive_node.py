@@ -13,8 +13,8 @@ from geometry_msgs.msg import WrenchStamped
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.blocks.drives.drive_choice import check_level, drive_train
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
-from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload

@@ -19,7 +19,7 @@ from robots_core.cell_interface.parameter_changes import CHANGES, Change, change
 from robots_core.cell_interface.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.peers.identified_messages import identify, publishers_are_identified

@@ -11,7 +11,7 @@ from typing import Final
 from robots_planning.motion_kinds import MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 # Motions that are planned at once. In a longer chain the next plan continues from the middle of them; a
 # program has more than one and a half as many commands on their way.

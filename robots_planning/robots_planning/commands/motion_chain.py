@@ -25,7 +25,7 @@ from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.timing.timed_path import TimedPath
 from robots_planning.timing.tool_limits import PathLimits, chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 # A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
 # changes settings in between needs two questions and answers of busy processes for it.

@@ -14,7 +14,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.motion_settings import RANGES, MotionSettings
-from robots_planning.trajectory_generators.base import Target, usable_fraction
+from robots_planning.trajectory_generators.trajectory_generator import Target, usable_fraction
 
 ARGUMENTS: Final = ('velocity', 'acceleration')
 """Names of what a primitive may have besides: of the tool (m/s, m/s^2), or of the fastest axis."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
-from robots_planning.trajectory_generators.base import usable_fraction
+from robots_planning.trajectory_generators.trajectory_generator import usable_fraction
 
 
 class SlowedRobot(WrappedRobot):

@@ -11,7 +11,7 @@ from ruckig import Trajectory as RuckigTrajectory
 from robots_core.kernels.compiled import compiled, sort_in_place
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE
 from robots_core.validation import Array
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
 NANOSECOND = 1e-9  # s
 # Fractions of the jerk limit that an axis is planned with, tried in turn: moving its switches of jerk onto

@@ -16,7 +16,7 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
 STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 

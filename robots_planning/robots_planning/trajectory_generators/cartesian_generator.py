@@ -20,7 +20,7 @@ from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.tool_limits import path_limits
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import (
+from robots_planning.trajectory_generators.trajectory_generator import (
     LIMIT_MARGIN,
     Target,
     ToolGeometry,

@@ -27,8 +27,8 @@ from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN, Target, rest_trajectory
 from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, TURN, JointSpaceGenerator
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN, Target, rest_trajectory
 
 MOST_POSTURES: Final = 16  # of a pose, the nearest
 REDUNDANT_SEEDS: Final = 12  # that the inverse kinematics without a closed form starts from

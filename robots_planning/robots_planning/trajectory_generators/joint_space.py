@@ -25,13 +25,13 @@ from robots_planning.motion_settings import MotionSettings, known_configuration
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.state_to_rest_profile import NANOSECOND, NoProfileError, StateToRestProfile
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import (
+from robots_planning.trajectory_generators.braking import check_start_motion
+from robots_planning.trajectory_generators.trajectory_generator import (
     LIMIT_MARGIN,
     Target,
     TrajectoryGenerator,
     rest_trajectory,
 )
-from robots_planning.trajectory_generators.braking import check_start_motion
 from robots_planning.verification.trajectory_verification import LONGEST_MOTION
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; shorter ones are rounding of the target

@@ -8,8 +8,8 @@ from robots_core.validation import Array
 from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target, ToolGeometry, rest_trajectory
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
+from robots_planning.trajectory_generators.trajectory_generator import Target, ToolGeometry, rest_trajectory
 
 
 class LineGenerator(CartesianGenerator):

@@ -11,8 +11,8 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import Target
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 
 class PosesGenerator(CartesianGenerator):

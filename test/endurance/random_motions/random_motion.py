@@ -12,7 +12,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.trajectory_generators.base import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target
 
 PERIODS: Final = (0.001, 0.002, 0.004, 0.004, 0.01)  # s
 PART_OF_TURN: Final = 0.7  # rad: how far motions near the start lead each axis

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from robots_controller.program.files.whole_file import write_text, yaml_text
+from robots_controller.program.files.atomic_file import write_text, yaml_text
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files.placed_section import read_pose

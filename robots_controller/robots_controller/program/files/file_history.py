@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from robots_controller.program.files.whole_file import write_text
+from robots_controller.program.files.atomic_file import write_text
 from robots_core.errors import ProgramError
 from robots_core.files.user_file import read_text
 

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Any, Final
 
-from robots_controller.program.files.whole_file import read_file, write_file
+from robots_controller.program.files.atomic_file import read_file, write_file
 from robots_core.errors import ProgramError
 
 SUFFIX: Final = '.values.yaml'

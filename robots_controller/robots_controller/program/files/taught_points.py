@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from robots_controller.program.files.whole_file import read_file, write_text, yaml_text
+from robots_controller.program.files.atomic_file import read_file, write_text, yaml_text
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.files.yaml_section import read_yaml
 from robots_core.pose import Pose

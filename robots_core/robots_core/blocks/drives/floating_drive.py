@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.floating_base.rendezvous import Rendezvous

@@ -63,7 +63,7 @@ class AnalyticSolver:
         self._near = read_only(np.clip(near, lower, upper))
         self._found = np.empty((9, 6))
         # Loading compiled code takes 0.2 s: done on first use of a closed form.
-        self._kernel = import_module('robots_core.robot_model.analytic.kernels').solve
+        self._kernel = import_module('robots_core.robot_model.analytic.analytic_kernel').solve
         self._forward, self._upward = _senses(record[0])
         self._exact = deviation <= EXACT_DEVIATION
 

@@ -15,7 +15,7 @@ from rclpy.time import Time
 from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.ros.lockstep.agenda import LockstepError
-from robots_core.ros.lockstep.counted import (
+from robots_core.ros.lockstep.counted_endpoints import (
     DEPTH,
     POLLED_DEPTH,
     CountedPublisher,

@@ -7,7 +7,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import UInt64
 
 from robots_core.errors import NotNowError
-from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.peers.heartbeat import HEARTBEAT, Heartbeat
 from robots_core.ros.peers.identified_messages import IdentifiedMessages, publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of

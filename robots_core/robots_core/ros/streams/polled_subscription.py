@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.lockstep.participant import PATIENCE, Participant
 from robots_core.ros.peers.identified_messages import IdentifiedMessages
 from robots_core.ros.qos import polled_qos

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_core.ros.lockstep.counted import CountedPublisher
+from robots_core.ros.lockstep.counted_endpoints import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import make_publisher
