@@ -21,13 +21,13 @@ from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, c
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
-from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
-from robots_controller.nodes.controller_parameters import settings_by_parameters
-from robots_controller.nodes.earlier_start import earlier_start
-from robots_controller.nodes.foreign_writers import ForeignWriters
+from robots_controller.nodes.controller.commander_services import CommanderServices, authority_by_parameters
+from robots_controller.nodes.controller.controller_parameters import settings_by_parameters
+from robots_controller.nodes.controller.earlier_start import earlier_start
+from robots_controller.nodes.controller.foreign_writers import ForeignWriters
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
-from robots_controller.nodes.watched_nodes import WatchedNodes
-from robots_controller.nodes.watched_zones import WatchedZones
+from robots_controller.nodes.controller.watched_nodes import WatchedNodes
+from robots_controller.nodes.controller.watched_zones import WatchedZones
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import RobotsError
