@@ -13,8 +13,8 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.controller.foreign_writers import ForeignWriters
+from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
 from robots_core.blocks.following.guide import Guide

@@ -18,7 +18,7 @@ from robots_controller.client.io_client import IoClient
 from robots_controller.client.motion import Motion
 from robots_controller.client.program_client import ProgramClient
 from robots_controller.nodes.ports.commanded_motions import commanded_motions
-from robots_controller.nodes.ports.planner_client import PlannerClient
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.program.motions.modal_settings import BLEND_ZONES
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.cell_interface.operating_modes import Commander

@@ -6,8 +6,8 @@ from typing import Final, Protocol
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.nodes.ports.controller_client import ControllerClient
-from robots_controller.nodes.ports.planner_client import PlannerClient
+from robots_controller.nodes.ports.program.controller_client import ControllerClient
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.runtime_folder import first_time
 from robots_core.errors import RobotsError
 from robots_core.ros.qos import subscribe

@@ -25,9 +25,9 @@ from robots_controller.nodes.controller.commander_services import CommanderServi
 from robots_controller.nodes.controller.controller_parameters import settings_by_parameters
 from robots_controller.nodes.controller.earlier_start import earlier_start
 from robots_controller.nodes.controller.foreign_writers import ForeignWriters
-from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_controller.nodes.controller.watched_nodes import WatchedNodes
 from robots_controller.nodes.controller.watched_zones import WatchedZones
+from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import RobotsError

@@ -25,13 +25,13 @@ from robots_controller.io.io_image import IMAGES
 from robots_controller.io.io_signals import LARGEST_INDEX
 from robots_controller.nodes.autostart import Autostart, MotionReadiness
 from robots_controller.nodes.io_services import IoServices
-from robots_controller.nodes.ports.controller_client import ControllerClient
-from robots_controller.nodes.ports.feedback_client import FeedbackClient
-from robots_controller.nodes.ports.lockstep_turns import LockstepTurns
-from robots_controller.nodes.ports.motion_ports import MotionPorts
-from robots_controller.nodes.ports.path_switching_messages import PathSwitchingMessages
-from robots_controller.nodes.ports.planner_client import PlannerClient
-from robots_controller.nodes.ports.program_clock import ProgramClock
+from robots_controller.nodes.ports.program.controller_client import ControllerClient
+from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
+from robots_controller.nodes.ports.program.lockstep_turns import LockstepTurns
+from robots_controller.nodes.ports.program.motion_ports import MotionPorts
+from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
+from robots_controller.nodes.ports.program.program_clock import ProgramClock
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
@@ -52,7 +52,7 @@ from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
 
 if TYPE_CHECKING:
-    from robots_controller.nodes.ports.primitive_action import PrimitiveAction
+    from robots_controller.nodes.ports.program.primitive_action import PrimitiveAction
 
 JOIN_TIMEOUT: Final = 5.0  # s
 DEBUG_PORTS: Final = (-1, PORTS[1])
@@ -191,7 +191,7 @@ class LuaProgramNode(RobotNode):
     def _driven(self, driver: Driver) -> MotionPorts:
         """The robot's own controller moves it."""
         # Imported on demand: it loads the planners, which no other robot needs in this process.
-        module = import_module('robots_controller.nodes.ports.primitive_action')
+        module = import_module('robots_controller.nodes.ports.program.primitive_action')
         action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback)
 
         def report() -> None:

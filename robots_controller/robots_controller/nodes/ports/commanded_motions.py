@@ -5,8 +5,8 @@ from collections.abc import Callable
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_controller.cell.program_motions import ProgramMotions
-from robots_controller.nodes.ports.planner_client import PlannerClient
-from robots_controller.nodes.ports.program_clock import ProgramClock
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
+from robots_controller.nodes.ports.program.program_clock import ProgramClock
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.ros.messages import motion_result_from_message

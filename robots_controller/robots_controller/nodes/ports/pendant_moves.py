@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool
 from robots_controller.cell.ports import Configured
 from robots_controller.client.cell_services import CellServices
 from robots_controller.nodes.ports.commanded_motions import STOP, commanded_motions
-from robots_controller.nodes.ports.planner_client import PlannerClient
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import CommandRefusedError, RobotsError
 from robots_core.ros.robot_node import RobotNode

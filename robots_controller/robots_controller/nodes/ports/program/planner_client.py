@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 
 from robots_controller.cell.ports import Configured
-from robots_controller.nodes.ports.planner_settings import PlannerSettings
+from robots_controller.nodes.ports.program.planner_settings import PlannerSettings
 from robots_controller.program.motions.modal_settings import PLANNING_NODE, without_blend
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.ros.lockstep.phases import Phase

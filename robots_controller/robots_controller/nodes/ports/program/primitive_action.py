@@ -14,7 +14,7 @@ from std_msgs.msg import Bool
 
 from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.nodes.ports.feedback_client import FeedbackClient
+from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.cell_interface.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
