@@ -12,6 +12,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64
 
+from robots_core.cell_interface.topic_qos import Profile, topic_qos
 from robots_core.ros.qos import (
     COMMAND,
     SENSOR,
@@ -21,7 +22,6 @@ from robots_core.ros.qos import (
     subscribe_any,
     subscribe_any_state,
 )
-from robots_core.topic_qos import Profile, topic_qos
 from robots_planning.nodes.planning_node import PlanningNode
 
 from .bench import Bench

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from robots_core.cell_interface.topic_qos import topic_qos
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.topic_qos import topic_qos
 from robots_planning.trajectory import Trajectory
 from written_bags import BAG_START, BAG_TYPES, write_bag
 

@@ -20,8 +20,8 @@ from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
+from robots_core.cell_interface.topic_qos import PROFILES, TOPIC_QOS, topic_qos
 from robots_core.exit_codes import MEANINGS
-from robots_core.topic_qos import PROFILES, TOPIC_QOS, topic_qos
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
 

@@ -4,7 +4,7 @@ from typing import Final
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
-from robots_core.topic_qos import topic_qos
+from robots_core.cell_interface.topic_qos import topic_qos
 
 UNLIMITED: Final = QosTime(sec=2147483647, nsec=4294967295)
 

@@ -1,1 +1,1 @@
-"""What the processes of a cell agree on, without ROS: modes, results, writers, parameters, the driver."""
+"""What the processes of a cell agree on, without ROS: topics, modes, results, parameters, the driver."""

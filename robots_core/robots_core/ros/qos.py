@@ -7,8 +7,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 
-from robots_core import topic_qos as table
-from robots_core.topic_qos import Profile, topic_qos
+from robots_core.cell_interface import topic_qos as table
+from robots_core.cell_interface.topic_qos import Profile, topic_qos
 
 EVERY_MESSAGE_DEPTH: Final = 100
 

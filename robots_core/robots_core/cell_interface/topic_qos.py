@@ -169,5 +169,5 @@ def topic_qos(topic: str) -> TopicQos:
     """
     qos = TOPIC_QOS.get(topic.rpartition('/')[2])
     if qos is None:
-        raise InvalidInputError(f'{topic} has no row in robots_core/topic_qos.py')
+        raise InvalidInputError(f'{topic} has no row in robots_core/cell_interface/topic_qos.py')
     return qos
