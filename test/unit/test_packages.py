@@ -17,6 +17,9 @@ OURS = re.compile(
     r'robots_\w+|rclpy|launch|launch_ros|ament_index_python|rosidl_generator_py|\w+_(msgs|srvs|interfaces)'
 )
 """Modules that are ROS packages by the same name."""
+MOST_MODULES = 16
+"""In one folder, besides `__init__`: so many are found without a search."""
+SENTENCE = re.compile(r'[A-Z].*\.')
 IMPORT = re.compile(r"(?:^\s*(?:from|import) |import_module\(')(\w+)", re.MULTILINE)
 
 
@@ -65,6 +68,27 @@ def test_the_index_page_lists_the_folders(package: str) -> None:
         (folder, str(ast.get_docstring(ast.parse(text))).splitlines()[0])
         for folder, text in sorted(texts.items())
     ]
+
+
+def folders(package: str) -> dict[str, Path]:
+    """All folders of a package with Python files, by their paths."""
+    found = sorted({file.parent for file in (ROOT / package / package).rglob('*.py')})
+    return {folder.relative_to(ROOT / package).as_posix(): folder for folder in found}
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_no_folder_holds_more_modules_than_one_finds_at_a_glance(package: str) -> None:
+    modules = {name: len(list(folder.glob('*.py'))) - 1 for name, folder in folders(package).items()}
+    assert {name: number for name, number in modules.items() if number > MOST_MODULES} == {}
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_each_folder_says_in_a_sentence_what_is_in_it(package: str) -> None:
+    said = {
+        name: str(ast.get_docstring(ast.parse((folder / '__init__.py').read_text()))).splitlines()[0]
+        for name, folder in folders(package).items()
+    }
+    assert [name for name, text in said.items() if not SENTENCE.fullmatch(text)] == []
 
 
 @pytest.mark.parametrize('package', PACKAGES)
