@@ -185,7 +185,7 @@ def test_without_its_libraries_a_study_names_what_installs_them(
     capsys: pytest.CaptureFixture[str],
     library: str,
 ):
-    for name in ('run_study', 'results'):
+    for name in ('run_study', 'study_results'):
         monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
     monkeypatch.setitem(sys.modules, library, None)
     options = ['-o', str(tmp_path), '--scheduler', 'tcp://127.0.0.1:9']
