@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.nodes.drive_node import DriveNode
@@ -21,7 +22,6 @@ from robots_planning.nodes.planning_node import PlanningNode
 from .bench import EVERY_STATE, Bench
 
 ROBOT = 'kuka_kr210_r2700'
-PATIENT = 20.0  # s, with drives that a busy machine delays
 MOVE = 'ptpJointSpaceAngles(20, -80, 80, 0, 60, 0)\n'
 TARGET = [20, -80, 80, 0, 60, 0]  # deg
 # The motion takes minutes until something lets it go fast: no machine comes too late for what happens on it.
@@ -49,9 +49,7 @@ class ProgramCell(Bench):
             'digital_outputs', UInt8MultiArray, EVERY_STATE, lambda message: list(message.data)
         )
         self.start_node(DriveNode, robot_model=ROBOT)
-        self.controller = self.start_node(
-            ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT, **controller
-        )
+        self.controller = self.start_node(ControllerNode, robot_model=ROBOT, **LATE_DRIVES, **controller)
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT, driver=driver)
         self.planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.wait(lambda: self.references and self.planner.reference() is not None, 'the robot')

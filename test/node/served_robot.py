@@ -9,6 +9,7 @@ from builtin_interfaces.msg import Duration
 from rclpy.action.client import ActionClient
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
@@ -18,7 +19,6 @@ from robots_planning.nodes.planning_node import PlanningNode
 from .bench import Bench
 
 ROBOT = 'ur5e'
-PATIENT = 20.0  # s, with drives that a busy machine delays
 
 
 class ServedRobot(Bench):
@@ -30,7 +30,7 @@ class ServedRobot(Bench):
         self.robot = load_robot_model(ROBOT)
         self.names = list(self.robot.axes_data.names)
         self.start_node(DriveNode, robot_model=ROBOT)
-        self.start_node(ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT)
+        self.start_node(ControllerNode, robot_model=ROBOT, **LATE_DRIVES)
         planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.references = self.collect(
             'joint_reference', JointTrajectory, read=lambda message: message.points[0]

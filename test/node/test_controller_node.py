@@ -17,6 +17,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from late_drives import PATIENT
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.ports import trajectory_intake
 from robots_core import load_robot_model
@@ -43,7 +44,6 @@ AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
 FAST_DRIVES = {'bandwidth': [40.0]}
 # One process runs the test too, which no thread may push aside.
 OPTIONS = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
-PATIENT = 20.0  # s, with drives that a busy machine delays
 STANDING = 50  # references that are the same
 CRAWL = 0.02  # override: no machine comes too late for what happens on the way
 

@@ -14,6 +14,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 from control_interfaces import control_msgs
+from late_drives import LATE_DRIVES, PATIENT
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.driver_file import Driver, DriverActionSettings, read_driver
@@ -32,7 +33,6 @@ __all__ = ['control_msgs']
 ROBOT = load_robot_model('ur5e')
 NAMES = list(ROBOT.axes_data.names)
 DRIVER = f'action: {{name: {NAME}}}\njoint_states: /driver/joint_states\nlead: 0.3\n'
-PATIENT = 20.0  # s, with a machine that is busy
 
 
 class DrivenBench(Bench):
@@ -54,7 +54,7 @@ class DrivenBench(Bench):
         )
         measured = self.publisher('/driver/joint_states', JointState)
         self.peer.create_timer(0.01, lambda: measured.publish(self._measured()))
-        self.start_node(ControllerNode, robot_model='ur5e', feedback_timeout=PATIENT, following_error=2.0)
+        self.start_node(ControllerNode, robot_model='ur5e', **LATE_DRIVES)
         planner = self.start_node(PlanningNode, robot_model='ur5e')
         self.publisher('ptpjoint_joint', JointState, COMMAND)
         self.wait(lambda: planner.reference() is not None and self.driver.goals, 'goals')

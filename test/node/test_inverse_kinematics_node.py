@@ -15,6 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.following_methods import METHODS
@@ -32,7 +33,6 @@ ROBOT = load_robot_model(NAME)
 START = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
 POSE = Pose(*ROBOT.direct_kinematics(START))
 DT = 0.004  # s between two points of the stream
-PATIENT = 20.0  # s, with drives that a busy machine delays
 SEND_PERIOD = 0.02  # s
 
 
@@ -44,7 +44,7 @@ class GuidedRobot(Bench):
         self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
         self.stream = self.collect('joint_trajectory', JointTrajectory)
         self.start_node(DriveNode, robot_model=NAME, initial_position=START.tolist())
-        self.start_node(ControllerNode, robot_model=NAME, feedback_timeout=PATIENT)
+        self.start_node(ControllerNode, robot_model=NAME, **LATE_DRIVES)
         self.ik = self.start_node(InverseKinematicsNode, robot_model=NAME, method=method)
         self.poses = self.publisher('reference_pose', PoseStamped)
         self.twists = self.publisher('reference_twist', TwistStamped)

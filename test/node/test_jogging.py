@@ -14,6 +14,7 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
@@ -45,7 +46,7 @@ class JoggedRobot(Bench):
             ControllerNode,
             robot_model=NAME,
             realtime_priority=0,
-            feedback_timeout=20.0,
+            **LATE_DRIVES,
             stream_timeout=0.5,
             operating_mode='T2',
         )

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from late_drives import LATE_DRIVES, PATIENT
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.blocks.drives.supervised_drives import DriveState
@@ -27,7 +28,6 @@ NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)
 HOME = np.array(ROBOT.home)
 AWAY = HOME + 0.2
-PATIENT = 20.0  # s, with nodes that a busy machine delays
 CRAWL = 0.02  # override
 CONFIGURE, CLEANUP = Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_CLEANUP
 ACTIVATE, DEACTIVATE = Transition.TRANSITION_ACTIVATE, Transition.TRANSITION_DEACTIVATE
@@ -45,7 +45,7 @@ class ManagedBench(Bench):
         self.power = self.collect('drives_on', Bool, STATE, lambda message: message.data)
         options: dict[str, Any] = {'robot_model': NAME, 'realtime_priority': 0, 'watchdog': PATIENT}
         self.drive = self.start_node(DriveNode, **options, managed=True, bandwidth=[40.0])
-        self.controller = self.start_node(ControllerNode, **options, managed=True, feedback_timeout=PATIENT)
+        self.controller = self.start_node(ControllerNode, **options, managed=True, **LATE_DRIVES)
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)
 
     def change(self, node: str, transition: int) -> bool:

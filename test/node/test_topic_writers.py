@@ -13,6 +13,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from late_drives import LATE_DRIVES, PATIENT
 from robots_controller.nodes.controller.foreign_writers import ForeignWriters
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -40,7 +41,6 @@ ROBOT = load_robot_model(NAME)
 NAMES = list(ROBOT.axes_data.names)
 HOME = np.array(ROBOT.home)
 GOAL = HOME + 0.3
-PATIENT = 20.0  # s
 CRAWL = 0.002  # override: the motion continues until it is raised
 
 
@@ -51,9 +51,7 @@ class Cell(Bench):
         super().__init__(runner)
         options = {'robot_model': NAME, 'watchdog': PATIENT}
         self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0)
-        self.controller = self.start_node(
-            ControllerNode, **options, realtime_priority=0, feedback_timeout=PATIENT
-        )
+        self.controller = self.start_node(ControllerNode, **options, realtime_priority=0, **LATE_DRIVES)
         self.planner = self.start_node(PlanningNode, **options)
         self.stranger = runner.create_node('stranger')
         self.positions = self.collect(
@@ -150,7 +148,7 @@ def test_a_controller_that_is_started_again_is_heard_at_once(ros_nodes: Any) -> 
     assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
     cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
     ros_nodes.destroy(cell.controller)
-    cell.start_node(ControllerNode, robot_model=NAME, watchdog=PATIENT, feedback_timeout=PATIENT)
+    cell.start_node(ControllerNode, robot_model=NAME, watchdog=PATIENT, **LATE_DRIVES)
     cell.wait(lambda: commanders.commander is Commander.NOBODY, 'the commander of the new controller')
 
 

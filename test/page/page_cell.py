@@ -9,6 +9,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.cell_interface.motion_result import MotionResult
@@ -19,7 +20,6 @@ from robots_core.validation import Array
 from robots_planning.nodes.planning_node import PlanningNode
 
 ROBOT = 'kuka_kr210_r2700'
-PATIENT = 20.0  # s, with drives that a busy machine delays
 PAGE = {'robot_model': ROBOT, 'port': 0, 'connection_timeout': 60.0}
 """Parameters of a pendant."""
 
@@ -45,7 +45,7 @@ class Cell:
         peer.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 100)
         for kind in (DriveNode, LuaProgramNode, PlanningNode):
             runner.add(kind(**runner.options(robot_model=ROBOT)))
-        options = {'robot_model': ROBOT, 'feedback_timeout': PATIENT, 'operating_mode': 'T1'}
+        options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES}
         runner.add(ControllerNode(**runner.options(**options)))
 
     def _on_health(self, message: DiagnosticArray) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_controller.nodes.pendant_node import PendantNode
@@ -24,7 +25,6 @@ from .touched_tip import TOOL, TURNS, guide, save, touching
 
 ROBOT = 'bello_bot'
 TOUCHING = 'kuka_kr210_r2700'
-PATIENT = 20.0  # s, with drives that a busy machine delays
 LATE = 0.1  # rad
 PAGE = {'port': 0, 'connection_timeout': 60.0}
 
@@ -39,7 +39,7 @@ def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -
     )
     for kind in (DriveNode, LuaProgramNode, PlanningNode):
         ros_nodes.add(kind(**ros_nodes.options(robot_model=ROBOT)))
-    options = {'robot_model': ROBOT, 'feedback_timeout': PATIENT, 'operating_mode': 'T1'}
+    options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**options)))
     node = ros_nodes.add(PendantNode(**ros_nodes.options(robot_model=ROBOT, **PAGE)))
     with browser('--disable-gpu') as running:
@@ -64,7 +64,7 @@ def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
     ros_nodes.add(PlanningNode(**ros_nodes.options(robot_model=TOUCHING)))
     ros_nodes.add(LuaProgramNode(**ros_nodes.options(robot_model=TOUCHING, program=str(program))))
     # The test itself waits until the robot stands: drives of a busy machine are late.
-    late = {'robot_model': TOUCHING, 'feedback_timeout': PATIENT, 'goal_tolerance': LATE}
+    late = {'robot_model': TOUCHING, 'goal_tolerance': LATE, **LATE_DRIVES}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**late)))
     node = ros_nodes.add(
         PendantNode(**ros_nodes.options(robot_model=TOUCHING, programs=str(tmp_path), **PAGE))

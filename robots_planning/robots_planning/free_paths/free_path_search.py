@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,15 +15,19 @@ from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.free_paths.search_kernel import Random, Tree, grow, shorten
+from robots_planning.free_paths.search_kernel import Random, Tree, duration, grow, shorten
 
 POSTURES_PER_SECOND: Final = 25_000
 """What a search looks at in a second of its budget; one posture takes 5 to 10 us on an AMD EPYC core."""
 PAIRS: Final = 8000  # of solids that a posture of the budget has at most; one with more counts as several
 SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 5 ms
 CAPACITY: Final = 1024  # rows of a tree at first
-CHANGES: Final = 80  # of a way, tried to make it take less time,
-CHANGES_LOOK: Final = 1500  # until so many postures were looked at
+# Changes of a way that are tried to make it take less time, and postures after which no more are: at first,
+# to compare it with another one, and afterwards.
+FIRST_CHANGES: Final = 20, 400
+CHANGES: Final = 60, 1100
+DETOUR: Final = 1.8  # of the straight motion's time; a way that takes longer is worth a second search,
+SECOND_SEARCH: Final = 1500  # which may look at so many postures
 MOST_BLOCKING: Final = 3  # pairs that a refusal names
 # How far beyond start and target postures are sampled, rad (m): close by first, where short ways are, and
 # farther away with the number of postures in vain.
@@ -59,6 +64,8 @@ class FreePathSearch:
     The result depends on start, targets, scene, margin and seed alone: the budget counts postures, not time,
     the speed limits are the robot's own, and what is computed of angles decides only between yes and no.
 
+    A detour is searched for once more, in a small part of the budget, and the faster of the two ways is kept.
+
     Args:
         robot: The robot.
         detection: Of the robot in its scene.
@@ -76,11 +83,12 @@ class FreePathSearch:
         budget: float,
         seed: int = 0,
     ) -> None:
-        self._axes = robot.axes_data
+        axes = self._axes = robot.axes_data
+        self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
         self._detection, self._margin = detection, margin
         self._budget, self._seed = budget, seed
         # In this norm, a way's length is about its time.
-        self._weights = self._axes.velocity.max() / self._axes.velocity
+        self._weights = axes.velocity.max() / axes.velocity
 
     def way(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreeWay:
         """A fast way from a free posture to one of several, the first that a free line leads to if any.
@@ -104,24 +112,33 @@ class FreePathSearch:
         self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
     ) -> FreeWay:
         """`way` where no line is free: arguments and errors as there."""
-        certificate, margins = self._detection.certificate(start, margin=self._margin)
-        certificate.work[0] = 0
+        kept = self._detection.certificate(start, margin=self._margin)
+        ends = np.vstack([start, targets])
         random: Random = np.array([self._seed], dtype=np.uint64)
-        path = self._searched((certificate, margins), np.vstack([start, targets]), random, cancelled)
-        axes = self._axes
-        limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
-        path = shorten(
-            certificate.body,
-            certificate.placed,
-            margins,
-            limits,
-            path,
-            CHANGES,
-            int(CHANGES_LOOK / _crowd(margins)),
-            random,
-            certificate.work,
-        )
-        return FreeWay(path, certificate, margins)
+
+        def found(budget: float) -> Array:
+            way = self._searched(kept, ends, random, cancelled, budget)
+            return self._shortened(kept, way, FIRST_CHANGES, random)
+
+        path = found(self._budget)
+        if self._time(path) > DETOUR * self._time(path[[0, -1]]):
+            budget = min(self._budget, SECOND_SEARCH / POSTURES_PER_SECOND)
+            with suppress(NoFreePathError):
+                path = min(path, found(budget), key=self._time)
+        return FreeWay(self._shortened(kept, path, CHANGES, random), *kept)
+
+    def _time(self, path: Array) -> float:
+        """About the time, s, that a path through postures (k, n) takes."""
+        return float(duration(self._limits, path))
+
+    def _shortened(
+        self, kept: tuple[PathCertificate, Array], path: Array, changes: tuple[int, int], random: Random
+    ) -> Array:
+        """The path after a number of changes that make it take less time, of so many postures at most."""
+        certificate, margins = kept
+        body, placed, work = certificate.body, certificate.placed, certificate.work
+        tries, most = changes[0], int(changes[1] / _crowd(margins))
+        return shorten(body, placed, margins, self._limits, path, tries, most, random, work)
 
     def _searched(
         self,
@@ -129,16 +146,18 @@ class FreePathSearch:
         ends: Array,
         random: Random,
         cancelled: Callable[[], bool],
+        budget: float,
     ) -> Array:
         """Postures with free lines between them; `ends` are the start and the targets."""
         certificate, margins = kept
+        certificate.work[0] = 0
         trees = _tree(ends[:1], CAPACITY), _tree(ends[1:], CAPACITY)
         counts: Indices = np.array([1, len(ends) - 1])
         blocked: Indices = np.zeros(margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
         box = np.array([ends.min(axis=0), ends.max(axis=0)])
         work, crowd = certificate.work, _crowd(margins)
-        most, step = int(self._budget * POSTURES_PER_SECOND / crowd), max(int(SLICE / crowd), 1)
+        most, step = int(budget * POSTURES_PER_SECOND / crowd), max(int(SLICE / crowd), 1)
         while work[0] < most:
             if cancelled():
                 raise SearchCancelledError('given up while a way around obstacles was searched for')
@@ -146,6 +165,7 @@ class FreePathSearch:
                 certificate.body,
                 certificate.placed,
                 margins,
+                ends,
                 box,
                 self._domain(box, int(work[0])),
                 self._weights,

@@ -28,6 +28,7 @@ Random = NDArray[np.uint64]
 """State of a generator of random numbers, (1,)."""
 
 RANGE = 1.2  # of one edge, in the weighted norm
+STRAIGHT = 0.2  # of the axes of a sample, which lie where the straight way to a target has them
 LARGEST_CUT = 0.49  # of a line at one of its ends that a rounded corner replaces; the rest separates corners
 CORNER = 0.75  # curvature in the middle of a rounded corner, of the turn over the length that it cuts
 SHORTCUTS = 0.4  # of all tries; the others move a posture
@@ -88,6 +89,7 @@ def grow(
     body: BodyArrays,
     placed: PlacedArrays,
     margins: Array,
+    ends: Array,
     box: Array,
     domain: Array,
     weights: Array,
@@ -105,8 +107,9 @@ def grow(
         body: The robot and its scene.
         placed: Scratch memory.
         margins: Distance that each pair keeps, (p,) m.
-        box: Lowest and highest joint positions of start and targets, (2, n).
-        domain: Lowest and highest posture of samples, (2, n), around these.
+        ends: Start and targets, (1 + k, n).
+        box: Lowest and highest joint positions of these, (2, n).
+        domain: Lowest and highest posture of samples, (2, n), around the box.
         weights: Of the axes in the norm, (n,).
         trees: From the start, and from the targets.
         counts: Their numbers of rows, (2,).
@@ -125,9 +128,13 @@ def grow(
     while work[0] < until and counts.max() < capacity:
         a = 0 if counts[0] <= counts[1] else 1
         tree, other = trees[a], trees[1 - a]
-        # More of them near the ends, where short ways are.
-        reach = uniform(random)
+        # More of them near the ends and with some axes on the straight way, where short ways are.
+        reach, along = uniform(random), uniform(random)
+        target = 1 + int((len(ends) - 1) * uniform(random))
         for axis in range(n):
+            if uniform(random) < STRAIGHT:
+                sample[axis] = ends[0, axis] + along * (ends[target, axis] - ends[0, axis])
+                continue
             low = box[0, axis] + reach * (domain[0, axis] - box[0, axis])
             high = box[1, axis] + reach * (domain[1, axis] - box[1, axis])
             sample[axis] = low + (high - low) * uniform(random)
