@@ -1,5 +1,6 @@
 """The nodes in lock-step and the simulation do the same, to the last bit."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,36 @@ from short_programs import PROGRAMS
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells
-from .lockstep_runs import LockstepRuns
+from .lockstep_runs import SPARSE_RATE, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
+NAMES += ['language/three_axes.lua', 'motion_simulator/on_linear_axis.lua']
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
-# Of guidance without a recording there is nothing to compare.
-LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
-CASES += [(name, 'rigid_body') for name in LANGUAGE if name != 'language/guided.lua']
+# Those of one robot, which one cell runs in a row. Of guidance without a recording there is nothing to compare.
+EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} - {'guided', 'three_axes'})
 
 
 @pytest.mark.parametrize(('name', 'drive'), CASES)
 def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
     check_both_cells(lockstep_runs.run(name, drive), drive, tmp_path / 'bag')
+
+
+@pytest.mark.parametrize('drive', DRIVE_LEVELS)
+def test_both_cells_do_the_same_in_all_examples(
+    drive: str, lockstep_runs: LockstepRuns, tmp_path: Path
+) -> None:
+    folder = tmp_path / 'programs'
+    shutil.copytree(PROGRAMS, folder)
+    program = folder / 'language' / 'all.lua'
+    program.write_text(
+        '-- Robot: kuka_kr210_r2700  IO: ../io/language.yaml\n'
+        f'for _, name in ipairs{{{", ".join(map(repr, EXAMPLES))}}} do\n'
+        '  print(name, pcall(call, name)) -- drives of some levels measure no torques\n'
+        'end\n'
+    )
+    run = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
+    assert run.returncode == 0
+    check_both_cells(run, drive, tmp_path / 'bag')
 
 
 def test_both_cells_keep_a_speed_limit_alike(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:

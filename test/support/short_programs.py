@@ -15,6 +15,7 @@ SHORTENED = {
     },
     # Its first seconds, in which the car speeds up.
     'motion_simulator.lua': {'TIME = 26': 'TIME = 3'},
+    'motion_simulator/on_linear_axis.lua': {'TIME = 26': 'TIME = 2'},
     'press_tending.lua': {
         'PATIENCE = 2, 10': 'PATIENCE = 1, 10',
         'FEEDER = {0.30, 1.60, 0.70, 90,': 'FEEDER = {1.60, 0.80, 0.70, 30,',
@@ -43,6 +44,7 @@ SHORTENED = {
 
 # For runs that are compared with others and not looked at: as long as it takes for all of it to happen.
 SHORTEST = SHORTENED | {
+    'motion_simulator/on_linear_axis.lua': {'TIME = 26': 'TIME = 1'},
     'motion_simulator.lua': {'TIME = 26': 'TIME = 1'},
     'wheel_laboratory.lua': SHORTENED['wheel_laboratory.lua']
     | {'PRESSING, DRIVING = 3.5, 7': 'PRESSING, DRIVING = 0.6, 0.9'},
