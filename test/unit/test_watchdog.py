@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import pytest
 
 from robots_core.errors import InvalidInputError
@@ -52,6 +54,13 @@ def test_silence_counts_by_the_share_of_a_processor() -> None:
     found = looks(watchdog, 40, alive=False)
     # As ever for the first 2 + 1 looks, then a quarter each.
     assert found.index(True) + 1 in (3 + 4 * (LOOKS - 3), 4 + 4 * (LOOKS - 3))
+
+
+def test_threads_that_run_for_a_moment_are_no_load() -> None:
+    shares = cycle([1.0, 0.1])
+    watchdog = Watchdog(TIMEOUT, lambda: next(shares))
+    watchdog.look(0.0, alive=True)
+    assert looks(watchdog, 20, alive=False).index(True) in (LOOKS - 1, LOOKS)
 
 
 @pytest.mark.parametrize('value', [-0.2, 0.05, 61.0, float('nan'), float('inf')])

@@ -18,7 +18,7 @@ class Watchdog:
 
     What was never seen is not lost. A watcher that the machine has held up counts one regular step for that:
     what it watches may have been held up too. Where processes have to share processors, silence counts by the
-    share that each of them gets.
+    share that each of them gets, the larger one of two looks: threads that run for a moment are no load.
 
     Args:
         timeout: Without a sign of life for this long it is lost, s; see `checked_watchdog`.
@@ -29,6 +29,7 @@ class Watchdog:
         self._timeout, self._share = timeout, share
         self._silence: float | None = None
         self._before = 0.0
+        self._last_share = 0.0
 
     @property
     def seen(self) -> bool:
@@ -53,12 +54,16 @@ class Watchdog:
         step, self._before = min(now - self._before, self._timeout / LOOKS), now
         lost = self.lost
         if alive:
-            self._silence = 0.0
+            self._silence = self._last_share = 0.0
         elif self._silence is not None:
             # To ask for the share takes longer than a look: not between two signs of life of a quiet machine.
             usual = self._silence <= 2.0 * self._timeout / LOOKS
-            self._silence += step if usual else step * self._share()
+            self._silence += step if usual else step * self._larger_share()
         return self.lost and not lost
+
+    def _larger_share(self) -> float:
+        before, self._last_share = self._last_share, self._share()
+        return max(before, self._last_share)
 
 
 def checked_watchdog(value: float) -> float:
