@@ -226,6 +226,11 @@ class ProgramMotions:
         return result.message if now - since > self._planner_timeout else ''
 
     def _lost(self, now: float) -> str:
+        """Why no node will end the motions that were sent.
+
+        Heartbeats miss planning_node and controller_node sooner, see `lose_planner`. There are none with a
+        watchdog of 0, in simulated time without lock-step, and of others' nodes in the place of these two.
+        """
         if not self._sent:
             return ''
         present = self._planner.followers()
