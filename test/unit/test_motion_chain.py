@@ -14,6 +14,7 @@ from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.pathplanning import PlannedMotion
+from robots_planning.timing.time_optimal import EXCESS
 from robots_planning.trajectory_generators.trajectory_generator import Target
 
 ZONE = 0.03  # m
@@ -197,6 +198,33 @@ def test_every_motion_keeps_its_own_speeds(
     before, after = (t < ends[0]) & ~inside, (t > ends[0]) & ~inside
     assert speed[before].max() > 0.4
     assert speed[after].max() <= slow * 1.001  # a limit, to what the planner promises
+
+
+@pytest.mark.parametrize('jerk_limited', [False, True])
+@pytest.mark.parametrize('speeds', [(0.5, 0.2, 0.02), (0.02, 0.2, 0.02), (np.inf, 0.02, 0.02)])
+def test_where_two_motions_meet_the_speeds_of_both_hold(
+    robot: BaseRobotModel, start: np.ndarray, speeds: tuple[float, ...], *, jerk_limited: bool
+) -> None:
+    """Also where the ramps of the acceleration are long: in a plan that takes long."""
+    chain = MotionChain(robot, PathPlanning(robot))
+    options = {'blend_zone': ZONE, 'joint_blend_zone': JOINT_ZONE, 'jerk_limited': jerk_limited}
+    away = start + np.array([0.3, 0.1, -0.1, 0.0, 0.1, 0.2])
+    orders = tuple(
+        order(k, LINE, target, **options, cartesian_speed=speed)
+        if np.isfinite(speed)
+        else order(k, JOINT, away, **options)
+        for k, (target, speed) in enumerate(zip(square(robot, start, 0.4), speeds, strict=False))
+    )
+    motion, ends = planned(chain, orders, start)
+    for before, after, end in zip(speeds, speeds[1:], ends, strict=False):
+        for limit, times in (
+            (before, np.linspace(end - 0.03, end, 61)),
+            (after, np.linspace(end, end + 0.03, 61)),
+        ):
+            q, q_dot, _ = motion.trajectory.sample(times)
+            found = [np.linalg.norm((robot.jacobian(a) @ b)[:3]) for a, b in zip(q, q_dot, strict=True)]
+            assert max(found) <= limit * (1.0 + EXCESS)
+    assert motion.report.uses['speed'].ratio == pytest.approx(1.0, abs=1e-2)
 
 
 def test_torque_limits_hold_where_the_last_planner_keeps_them(

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_planning.paths.path_grid import POINTS, SPLIT, TURN_POINTS, finer_grid, path_grid
+from robots_planning.paths.path_grid import (
+    POINTS,
+    SPLIT,
+    TURN_POINTS,
+    finer_grid,
+    path_grid,
+    with_places,
+)
 
 NODES = np.linspace(0.0, 1.0, 401)
 
@@ -71,3 +78,13 @@ def test_outermost_intervals_are_split_too(place: float) -> None:
     finer = finer_grid(grid, np.array([place]))
     assert (finer[0], finer[-1]) == (0.0, 7.0)
     assert len(finer) == len(grid) + 2 * (SPLIT - 1)
+
+
+def test_places_are_points_of_the_grid_and_replace_those_that_nearly_coincide() -> None:
+    grid = np.array([0.0, 0.1, 0.5, 1.0])
+    np.testing.assert_array_equal(with_places(grid, np.array([0.3])), [0.0, 0.1, 0.3, 0.5, 1.0])
+    np.testing.assert_array_equal(with_places(grid, np.array([0.11, 0.49])), [0.0, 0.11, 0.49, 1.0])
+    np.testing.assert_array_equal(
+        with_places(grid, np.array([0.01, 0.5, 0.99])), [0.0, 0.01, 0.1, 0.5, 0.99, 1.0]
+    )
+    np.testing.assert_array_equal(with_places(grid, np.empty(0)), grid)

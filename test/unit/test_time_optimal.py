@@ -17,7 +17,7 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.timing.time_optimal import TimeOptimalTiming, local_excess
 from robots_planning.timing.timed_path import TooSlowError
-from robots_planning.timing.tool_limits import LimitedRates
+from robots_planning.timing.tool_limits import LimitedRates, PathLimits
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s
@@ -173,7 +173,7 @@ def test_tool_limits(robot: BaseRobotModel) -> None:
         still = np.zeros((len(s), 1))
         return LimitedRates(still + 0.3, still, still, np.array([0.05]), np.array([np.inf]))
 
-    trajectory = full_timing(robot).trajectory(path, tool)
+    trajectory = full_timing(robot).trajectory(path, PathLimits(tool))
     assert trajectory.duration > 0.3 / 0.05
     start, end = (Pose(*robot.direct_kinematics(q)) for q in trajectory.position[[0, -1]])
     assert np.linalg.norm(end.r - start.r) == pytest.approx(0.3, abs=1e-6)

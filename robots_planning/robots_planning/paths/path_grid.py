@@ -14,6 +14,7 @@ END_PARTS = 4  # into which the first and the last interval are split
 REST_NODES = 50  # further nodes of the time law in either half of the path
 SPLIT = 4  # parts into which an interval that is too long is split
 CLOSEST = 1e-9  # of the path; nodes closer than this are merged
+NEAR = 0.25  # of an interval, between a point and a place that replaces it
 
 
 def path_grid(coordinate: Array, duration: Array, turn: Array) -> Array:
@@ -49,6 +50,16 @@ def path_grid(coordinate: Array, duration: Array, turn: Array) -> Array:
     first, last = grid[1] - grid[0], grid[-1] - grid[-2]
     begin, end = grid[0] + first * squares, grid[-1] - last * squares[::-1]
     return np.concatenate([grid[:1], begin, grid[1:-1], end, grid[-1:]])
+
+
+def with_places(grid: Array, places: Array) -> Array:
+    """The grid, (k,), with further places, (m,), in it; points that nearly coincide with one are left out."""
+    inner = places[(places > grid[0] + CLOSEST) & (places < grid[-1] - CLOSEST)]
+    after = np.searchsorted(grid, inner)
+    near = NEAR * (grid[after] - grid[after - 1])
+    left_out = np.append(after[grid[after] - inner < near], after[inner - grid[after - 1] < near] - 1)
+    inside = left_out[(left_out > 0) & (left_out < len(grid) - 1)]
+    return np.union1d(np.delete(grid, inside), inner)
 
 
 def finer_grid(grid: Array, places: Array) -> Array:

@@ -75,7 +75,11 @@ class ReparametrisedPath:
     @property
     def seams(self) -> Array:
         """Sigma of the path's seams, which are samples, (j,)."""
-        return np.asarray(np.interp(self._path.seams, self._s, self._sigma))
+        return self.sigma_of(self._path.seams)
+
+    def sigma_of(self, s: Array) -> Array:
+        """Sigma of samples of the path, (j,), from their s."""
+        return np.asarray(np.interp(s, self._s, self._sigma))
 
     def s_of(self, sigma: Array) -> tuple[Array, Array, Array]:
         """The path's s and its two derivatives at sigma (m,), clipped to [0, 1], each (m,)."""

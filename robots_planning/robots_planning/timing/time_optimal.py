@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -12,7 +13,7 @@ from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.paths.path_grid import finer_grid
+from robots_planning.paths.path_grid import finer_grid, with_places
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_start import PathStart
 from robots_planning.timing.quintic import quintic_uses, quintics_at
@@ -206,7 +207,10 @@ class TimeOptimalTiming:
             stretch, window = start.smoothing.stretch, start.smoothing.window
             first = start.before_average()[0]
             s = np.append(first, s[s > first + CLOSEST_START])
-        rates = None if tool is None else (lambda sigma: _rates_over(even, tool, sigma))
+        rates = None
+        if tool is not None:
+            rates = PathLimits(partial(_rates_over, even, tool), even.sigma_of(tool.jumps))
+            s = with_places(s, rates.jumps)
         limits = self._limits(s, even, rates)
         scale = np.full(len(s), 1.0 - RESERVE)
         for number in range(ROUNDS if start is None and self._jerk is None else MOST_ROUNDS):
@@ -258,7 +262,7 @@ class TimeOptimalTiming:
         axes[:, :, 0], axes[:, :, 1] = q_s / self._acceleration, q_ss / self._acceleration
         rows, fraction = [axes], np.abs(q_s / self._velocity).max(axis=1)
         if rates is not None:
-            found = rates(s)
+            found = rates.at(s)
             rows.append(found.rows())
             fraction = np.maximum(fraction, np.abs(found.rate / found.velocity).max(axis=1))
         if self._torques is not None:
@@ -330,8 +334,14 @@ class TimeOptimalTiming:
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
         if rates is not None:
             s, s_dot, s_ddot = law.s_of(times[::SPARSE] / stretch)
-            used = rates(s).use(s_dot / stretch, s_ddot / stretch**2)
+            used = rates.at(s).use(s_dot / stretch, s_ddot / stretch**2)
             use[::SPARSE] = np.maximum(use[::SPARSE], used)
+            if rates.jumps.size:
+                # The average over the window takes in what was allowed before the limits became lower.
+                jump_times = law.times_of(rates.jumps)
+                _, s_dot, s_ddot = law.s_of(jump_times)
+                used = rates.at(rates.jumps).use(s_dot / stretch, s_ddot / stretch**2)
+                np.maximum.at(use, np.searchsorted(times, stretch * jump_times, side='right') - 1, used)
         if self._torques is not None:
             # Torques follow the accelerations, which are checked everywhere.
             some = np.arange(0, len(times), SPARSE)
@@ -360,7 +370,7 @@ class TimeOptimalTiming:
 def _rates_over(even: ReparametrisedPath, limits: PathLimits, sigma: Array) -> LimitedRates:
     """The limits at values of the coordinate sigma, (m,), from those over s."""
     s, first, second = even.s_of(sigma)
-    return limits(s).over(first, second)
+    return limits.at(s).over(first, second)
 
 
 def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:

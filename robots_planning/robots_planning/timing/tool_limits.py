@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
@@ -19,6 +19,7 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
 STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
+AT_CORNER = 1e-9  # of s: rounding of a place on a corner
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +70,17 @@ class LimitedRates:
         return np.asarray(np.maximum(speed / self.velocity, acceleration / self.acceleration).max(axis=1))
 
 
-PathLimits = Callable[[Array], LimitedRates]
-"""Limits at values of s, (m,)."""
+@dataclass(frozen=True, eq=False)
+class PathLimits:
+    """Limits along a path.
+
+    Attributes:
+        at: Limits at values of s, (m,).
+        jumps: Values of s at which they change at once, (j,), increasing; there those of both sides hold.
+    """
+
+    at: Callable[[Array], LimitedRates]
+    jumps: Array = field(default_factory=lambda: np.empty(0))
 
 
 def path_limits(
@@ -104,7 +114,7 @@ def path_limits(
             x_s, x_ss = tool_derivatives(chain, tools, *joint_path.evaluate(s))
         return LimitedRates(*travel(x_s, x_ss), tool[::2], tool[1::2])
 
-    return limits
+    return PathLimits(limits)
 
 
 def chain_limits(
@@ -131,16 +141,29 @@ def chain_limits(
             bound[1, n:] = setting.cartesian_acceleration, setting.rotation_acceleration
     tools = np.array([setting.tool_pose.r for setting, _ in sections])
     chain = SerialChain.of(robot).arrays
+    other_tools = (tools[1:] != tools[:-1]).any(axis=1)
+    jumps = corners[other_tools | (bounds[1:] != bounds[:-1]).any(axis=(1, 2))]
 
     def limits(s: Array) -> LimitedRates:
-        section = np.searchsorted(corners, s, side='right')
         q, q_s, q_ss = path.evaluate(s)
-        of_tool = travel(*tool_derivatives(chain, tools[section], q, q_s, q_ss))
-        rate, along, across = map(np.hstack, zip((q_s, q_ss, np.zeros_like(q)), of_tool, strict=True))
-        velocity, acceleration = bounds[section].swapaxes(0, 1)
+        before, after = (
+            np.searchsorted(corners, s + shift, side='right') for shift in (-AT_CORNER, AT_CORNER)
+        )
+        both = np.minimum(bounds[before], bounds[after])
+        # Of two tools each has the limits of its own motion.
+        of_tools = [(tools[after], both[:, :, n:])]
+        if other_tools.any():
+            of_tools = [(tools[section], bounds[section, :, n:]) for section in (before, after)]
+        rates = [
+            (q_s, q_ss, np.zeros_like(q)),
+            *(travel(*tool_derivatives(chain, places, q, q_s, q_ss)) for places, _ in of_tools),
+        ]
+        rate, along, across = map(np.hstack, zip(*rates, strict=True))
+        bound = np.concatenate([both[:, :, :n], *(own for _, own in of_tools)], axis=2)
+        velocity, acceleration = bound.swapaxes(0, 1)
         return LimitedRates(rate, along, across, velocity, acceleration, combined=False)
 
-    return limits
+    return PathLimits(limits, jumps)
 
 
 @compiled()

@@ -40,8 +40,8 @@ def tool_speeds(
         limits = (('speed', section.speed, 'm/s'), ('angular speed', section.rotation_speed, 'rad/s'))
         if np.isfinite([limit for _, limit, _ in limits]).any():
             count = max(4, int(np.ceil((section.until - begin) / SAMPLE_PERIOD)))
-            # Inside the part: at its ends the limits of two parts meet.
-            times = begin + (section.until - begin) * (np.arange(count) + 0.5) / count
+            # At its ends, where the limits of two parts meet, both hold.
+            times = np.linspace(begin, section.until, count + 1)
             speeds = _speeds(trajectory, robot, section.tool, times)
             for values, (quantity, limit, unit) in zip(speeds, limits, strict=True):
                 row = int(np.argmax(values))
