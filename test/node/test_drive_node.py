@@ -151,14 +151,13 @@ def test_the_payload_is_felt(ros_nodes: Any):
 def test_a_late_reference_is_extrapolated_for_a_while_and_then_held(ros_nodes: Any):
     bench = DriveBench(ros_nodes, level='ideal')
     bench.until_following()
-    speed = np.full(6, 0.1)
+    speed = 0.5 * 0.004 * ROBOT.axes_data.acceleration  # that the drives reach within a period
     bench.refer(HOME, speed, once=True)
-    # Five periods of 4 ms at 0.1 rad/s, and what the ramp takes.
-    held = HOME + 5 * 0.004 * speed + 0.5 * speed**2 / ROBOT.axes_data.acceleration
-    bench.until_at(held, tolerance=1e-3)
+    held = HOME + 5 * 0.004 * speed + 0.5 * 0.004 * speed  # five periods, and one in which they stop
+    bench.until_at(held)
     bench.wait(lambda: not np.any(bench.states[-1].velocity), 'standstill')
     for state in bench.next_states(5):
-        np.testing.assert_allclose(state.position, held, atol=1e-3)
+        np.testing.assert_allclose(state.position, held, atol=1e-6)
 
 
 @pytest.mark.parametrize('level', DRIVE_LEVELS)

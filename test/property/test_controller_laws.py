@@ -1,4 +1,4 @@
-"""Laws of the controller: on the path, inside the limits, whatever the operator does."""
+"""Laws of the controller: on the path, inside the limits, never refused, whatever the operator does."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from ruckig import InputParameter, Ruckig
 from ruckig import Trajectory as RuckigTrajectory
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_core.blocks.drives.drive_train import IdealDrive
+from robots_core.blocks.drives.supervised_drives import REFUSED, SupervisedDrives
 from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory
 
@@ -50,7 +52,7 @@ def ruckig_move(start: np.ndarray, target: np.ndarray) -> Trajectory:
 
 
 class Rig:
-    """A controller with drives that follow at once, stepped by hand."""
+    """A controller with drives that follow at once and refuse nothing, stepped by hand."""
 
     def __init__(self, **settings: float) -> None:
         self.controller = Controller(AXES, ControllerSettings(**settings))
@@ -58,6 +60,7 @@ class Rig:
         self.now = 0.0
         self.feedback: np.ndarray | None = START.copy()
         self.references: list[np.ndarray] = []
+        self.drives = SupervisedDrives(IdealDrive(START, period=self.dt), AXES, period=self.dt)
         self.step()
 
     def step(self) -> np.ndarray:
@@ -67,6 +70,9 @@ class Rig:
         if self.feedback is not None:
             self.feedback = reference[0].copy()
         self.references.append(reference.copy())
+        self.drives.power(on=self.controller.stops.state.drives_on)
+        self.drives.step(self.now, reference[0], reference[1])
+        assert not self.drives.problem.startswith(REFUSED), self.drives.problem
         return reference
 
     def run(self, *, limit: float = 60.0) -> None:

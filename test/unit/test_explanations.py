@@ -15,6 +15,7 @@ from robots_controller.control.stops.limit_guard import RELATIVE_TOLERANCE
 from robots_controller.program.turn_clock import CALLS_PER_PERIOD, INSTRUCTIONS_PER_PERIOD
 from robots_controller.simulation.simulated_clock import START
 from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
+from robots_core.blocks.drives.reference_check import STAMP_ERROR
 from robots_core.blocks.zones.zone_passages import MARGIN
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE
@@ -38,6 +39,7 @@ def test_the_margins_are_those_of_the_stages() -> None:
         LIMIT_MARGIN,
         RATIO_TOLERANCE,
         RELATIVE_TOLERANCE,
+        1e6 * STAMP_ERROR,
         LIMIT_TOLERANCE,
         1e3 * RESOLUTION,
         1e3 * MARGIN,

@@ -113,6 +113,10 @@ def test_a_reference_that_the_limits_do_not_allow_is_refused_and_the_others_are_
     np.testing.assert_array_equal(rig.positions[-1], HOME)
     assert rig.state is DriveState.FOLLOWING
     rig.step(forged)
+    limit = f'{AXES.velocity[1]:.4g} rad/s'
+    assert rig.supervised.problem == f'reference refused: A2 would move at 375 rad/s, its limit is {limit}'
+    rig.step(HOME)
+    rig.step(forged, stamp=0.0)
     assert rig.supervised.problem.startswith('reference refused: A2 would step by 1.5 rad, its limits allow')
     rig.step(HOME)
     assert rig.supervised.problem == ''

@@ -236,9 +236,7 @@ class ControlLoop:
         controller = self.controller
         while controller.outcomes:
             self._port.result(controller.outcomes.popleft())
-        if controller.stops.state is not self._stop_state:
-            self._stop_state = controller.stops.state
-            self._port.stop_changed(self._stop_state)
+        self.report_stop()
         enabled = controller.speed.authority.enabled(self._now)
         if enabled is not self._enabled:
             self._enabled = enabled
@@ -246,6 +244,12 @@ class ControlLoop:
         self._report_progress()
         self.cycle += 1
         self.feedback_due = self._rates.feedback_due(self.cycle, controller)
+
+    def report_stop(self) -> None:
+        """Report a change of the stop; `report` does so too."""
+        if self.controller.stops.state is not self._stop_state:
+            self._stop_state = self.controller.stops.state
+            self._port.stop_changed(self._stop_state)
 
     def ahead(self, now: float, periods: int) -> Span:
         """See `Controller.ahead`; none if something waits for the next cycle."""

@@ -180,6 +180,7 @@ class ControllerNode(ManagedNode):
         subscribe(self, DiagnosticStatus, 'motion_settings', self._on_settings)
 
     def _offer_stops(self) -> None:
+        self._stopped_by = ''  # the reason that was logged
         self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
@@ -194,6 +195,8 @@ class ControllerNode(ManagedNode):
         if self.simulated_time and control.feedback_due:
             self._position = self._take_feedback()
         reference = control.step(now, self._position)
+        if not self._controller.stops.state.drives_on:
+            control.report_stop()  # drives that are to be switched off need not follow the reference
         if reference is not None and (self.active or not self._controller.standing):
             self._references.publish(reference, now)
         control.report()
@@ -234,8 +237,10 @@ class ControllerNode(ManagedNode):
         """See `ControlPort`."""
         self._drives_publisher.publish(Bool(data=state.drives_on))
         self._publish_stop(state)
-        if state.fault not in (None, Fault.DEACTIVATED) and state.drives_on:
+        # Of a robot that stands, the drives are off at once; one that moves is stopped before.
+        if state.fault not in (None, Fault.DEACTIVATED) and state.reason != self._stopped_by:
             self.journal.error(f'stopped: {state.reason}')
+        self._stopped_by = state.reason
 
     def _publish_stop(self, state: StopState, **values: str) -> None:
         self._stop_publisher.publish(

@@ -185,7 +185,7 @@ class SimulatedCell:
             passed = cell.follow(span, move)
             if passed:
                 recording.count += passed
-                self._supervised.pass_over(cell.clock.now(), span.references[passed - 1].copy())
+                self._supervised.pass_over(cell.clock.now(), span.references[:passed])
                 self._measure()
         cell.cost.switch(before)
 

@@ -172,18 +172,19 @@ class DriveNode(ManagedNode):
     def _step(self, now: float) -> None:
         self._carry()
         self._feel()
+        message = self._references.take()
+        # After the reference: the controller switches the drives off before it sends one that stands still.
         power = self._power.take()
         if power is not None:
             self._powered = power.data
         self._supervised.power(on=self._powered and self.active)
         if self._bodies is not None:
             self._bodies.before_step()
-        message = self._references.take()
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
         if message is not None:
             with self.refusing('joint_reference'):
                 reference = self._read(message)
-        self._report(*self._supervised.step(now, *reference))
+        self._report(*self._supervised.step(now, *reference, sender_period=self._reader.lead))
         if self._bodies is not None:
             self._bodies.after_step()
         self._report_problem()

@@ -116,6 +116,8 @@ class HardwareNode(RobotNode):
 
     def _step(self, now: float) -> None:
         self._measure()
+        raw = self._references.take()
+        # After the reference: the controller switches the drives off before it sends one that stands still.
         power = self._power.take()
         if power is not None:
             self._on = power.data
@@ -127,13 +129,12 @@ class HardwareNode(RobotNode):
             self._failure = ''
             self._publish_running()
         supervised.power(on=self._on and self._follows and not self._failure)
-        raw = self._references.take()
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
         if raw is not None:
             with self.refusing('joint_reference'):
                 rows, stamp = self._reader.read(raw)
                 reference = self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
-        supervised.step(now, *reference)
+        supervised.step(now, *reference, sender_period=self._reader.lead)
         self._send(drives.command)
         stopped = self._failure or ('' if self._follows else 'the robot has stopped by itself')
         self._report(stopped or self._unserved or supervised.problem)

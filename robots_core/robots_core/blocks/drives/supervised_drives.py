@@ -9,14 +9,15 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.blocks.drives.reference_check import TOLERANCE, ReferenceCheck
 from robots_core.periodic.watchdog import WATCHDOG, Watchdog
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 
 # References that come late are extrapolated for so many periods: the clock of their sender is not in step.
 MAX_EXTRAPOLATED: Final = 5
-# The last reference before this one may be of the period before, and this one of the period after.
-SLACK_PERIODS: Final = 2.0
+# Braked drives stand so near to a reference at most that the brakes open for it.
+NEAR_PERIODS: Final = 2.0  # at the velocity limits
 # Part of the velocity limits: below it drives stand, and their brakes close.
 STANDING: Final = 0.01
 # Of the deceleration, for the approach to a reference that has moved on meanwhile.
@@ -38,9 +39,11 @@ class SupervisedDrives:
     """Drives of a robot with brakes, which begin closed.
 
     The brakes open for a reference that stands where the robot stands. From then on the drives follow as long
-    as each reference can be reached from the one before within the velocity limits; others are refused.
-    Without references, and when they are switched off, the drives ramp down inside the acceleration limits,
-    and their brakes close after the timeout; with references that come back meanwhile they catch up.
+    as the references, at the times of their stamps, keep the limits of velocity and acceleration; others are
+    refused (`ReferenceCheck`). What reaches the drives keeps these limits too: a reference that cannot be
+    reached within this period, as after messages that were lost or late, is caught up with. Without
+    references, and when they are switched off, the drives ramp down inside the acceleration limits, and their
+    brakes close after the timeout; with references that come back meanwhile they catch up.
 
     Args:
         drives: The drives, at rest.
@@ -63,13 +66,15 @@ class SupervisedDrives:
         self.problem = ''
         """Why references are not followed, for a person; '' if they are."""
         self._axes, self._period, self._timeout = axes, period, timeout
-        self._step = SLACK_PERIODS * period * axes.velocity
-        self._fastest = axes.velocity * (1.0 + JOINED)
+        self._near = NEAR_PERIODS * period * axes.velocity
+        self._fastest = axes.velocity * (1.0 + TOLERANCE)
+        self._hardest = axes.acceleration * (1.0 + TOLERANCE)
         self._on = True
+        self._check = ReferenceCheck(axes, period=period, timeout=timeout)
+        # What the drives are given; the mean velocity is that of the last period.
         self._q, self._q_dot = drives.position.copy(), np.zeros(axes.num_axes)
-        self._last = self._target = self._q
-        self._target_dot = self._q_dot
-        self._last_stamp = self._last_time = -np.inf
+        self._mean = self._q_dot
+        self._target, self._target_dot = self._q, self._q_dot
         self._silent = 0
         self._watchdog = Watchdog(timeout, processor_share)
 
@@ -85,12 +90,18 @@ class SupervisedDrives:
 
     def power(self, *, on: bool) -> None:
         """Switch the drives on or off; off, they ramp down and brake."""
-        if on and not self._on:
+        if on != self._on:
             self.problem = ''
+            self._check.forget()
         self._on = on
 
     def step(
-        self, now: float, q: Array | None, q_dot: Array | None = None, stamp: float | None = None
+        self,
+        now: float,
+        q: Array | None,
+        q_dot: Array | None = None,
+        stamp: float | None = None,
+        sender_period: float = 0.0,
     ) -> tuple[Array, Array]:
         """One period.
 
@@ -98,12 +109,14 @@ class SupervisedDrives:
             now: Time, s.
             q: Reference positions, (n,), rad (m), finite; None if no valid reference came.
             q_dot: Reference velocities, (n,), rad/s (m/s).
-            stamp: When the reference was due, s on its sender's clock; `now` by default, and for 0.
+            stamp: When the reference was due, s on its sender's clock; `now` by default, unknown for 0.
+            sender_period: Time between two references of the sender, s; that of the drives by default.
 
         Returns:
             Positions and velocities (n,) of the axes at the end of the period.
         """
-        accepted = q is not None and q_dot is not None and self._accepts(now, q, q_dot, stamp or now)
+        due = now if stamp is None else stamp or -np.inf
+        accepted = q is not None and q_dot is not None and self._accepts(now, q, q_dot, due, sender_period)
         self._watchdog.look(now, alive=accepted)
         if accepted:
             assert q is not None
@@ -111,6 +124,7 @@ class SupervisedDrives:
             self._silent, self.problem = 0, ''
             if self.state is DriveState.BRAKED:
                 self.drives.rest()  # what they hold may weigh more than when the brakes closed
+                self._stand()
                 self.state = DriveState.CATCHING_UP
             self._target, self._target_dot = q, q_dot
         else:
@@ -121,8 +135,8 @@ class SupervisedDrives:
                 self._target = self._inside(self._target + self._period * self._target_dot)
             else:
                 self.state = DriveState.RAMPING
-        if self.state is DriveState.FOLLOWING:
-            self._q, self._q_dot = self._target, self._target_dot
+        if self.state is DriveState.FOLLOWING and self._reaches(self._target):
+            self._move(self._target, self._target_dot)
         elif self._silent <= MAX_EXTRAPOLATED and self._on:
             self._catch_up(self._target, self._target_dot)
         else:
@@ -139,76 +153,88 @@ class SupervisedDrives:
         Args:
             references: (k, 3, n): position, velocity, acceleration; one in each period.
         """
-        if self.state is not DriveState.FOLLOWING or not self._on or not len(references):
+        if self.state is not DriveState.FOLLOWING or not self._on or self._silent or not len(references):
             return 0
-        change = np.abs(np.diff(references[:, 0], axis=0, prepend=self._last[None]))
-        inside = (change <= self._step) & (np.abs(references[:, 1]) <= self._fastest)
-        followed = inside.all(axis=1)
+        mean = np.diff(references[:, 0], axis=0, prepend=self._q[None]) / self._period
+        acceleration = np.diff(mean, axis=0, prepend=self._mean[None]) / self._period
+        inside = (np.abs(mean) <= self._fastest) & (np.abs(references[:, 1]) <= self._fastest)
+        followed = (inside & (np.abs(acceleration) <= self._hardest)).all(axis=1)
         return len(references) if followed.all() else int(np.argmin(followed))
 
-    def pass_over(self, now: float, reference: Array) -> None:
-        """The drives have followed references as `ahead` says, the last one, (3, n), at `now`, s."""
+    def pass_over(self, now: float, references: Array) -> None:
+        """The drives have followed references, (k, 3, n), as `ahead` says, the last one at `now`, s."""
         self._watchdog.look(now, alive=True)
         self._silent, self.problem = 0, ''
-        self._last_stamp = self._last_time = now
-        self._last = self._target = self._q = reference[0]
-        self._target_dot = self._q_dot = reference[1]
+        if len(references) > 1:
+            self._q = references[-2, 0]
+        self._target, self._target_dot = references[-1, 0].copy(), references[-1, 1].copy()
+        self._move(self._target, self._target_dot)
+        self._check.pass_over(now, self._q, self._mean)
 
     # -- which references ------------------------------------------------------------------------------
 
-    def _accepts(self, now: float, q: Array, q_dot: Array, stamp: float) -> bool:
+    def _accepts(self, now: float, q: Array, q_dot: Array, stamp: float, sender_period: float) -> bool:
         if not self._on:
             return False
-        if q is self._last and not q_dot.any() and self.state is DriveState.FOLLOWING:
-            reason = ''
-        elif self.state is DriveState.BRAKED:
+        check = self._check
+        if self.state is DriveState.BRAKED:
             reason = self._away(q, q_dot)
+        elif q is check.last and not q_dot.any() and self.state is DriveState.FOLLOWING:
+            check.hear(stamp, sender_period)
+            reason = ''
         else:
-            reason = self._too_far(now, q, q_dot, stamp)
+            reason = check.problem(now, q, q_dot, stamp, sender_period)
         if reason:
             if not self.problem.startswith(REFUSED):
                 self.problem = f'{REFUSED}: {reason}'
             return False
-        self._last, self._last_stamp, self._last_time = q, stamp, now
+        if self.state is DriveState.BRAKED:
+            check.begin(now, q, q_dot, stamp)
+        else:
+            check.take(now, q, stamp)
         return True
 
     def _away(self, q: Array, q_dot: Array) -> str:
         """Why the brakes stay closed."""
         away = np.abs(q - self.drives.position)
-        worst = int((away - self._step).argmax())
-        if away[worst] > self._step[worst]:
+        worst = int((away - self._near).argmax())
+        if away[worst] > self._near[worst]:
             name, unit = self._axes.names[worst], self._axes.unit(worst)
             return f'it is {away[worst]:.4g} {unit} from where {name} stands, with its brakes closed'
         if (np.abs(q_dot) > STANDING * self._axes.velocity).any():
             return 'it moves while the brakes are closed'
         return ''
 
-    def _too_far(self, now: float, q: Array, q_dot: Array, stamp: float) -> str:
-        """Why the axes could not get there within their velocity limits."""
-        change = np.abs(q - self._last)
-        if not (change <= self._step).all():
-            elapsed = max(stamp - self._last_stamp, now - self._last_time)
-            allowed = self._step + min(elapsed, self._timeout) * self._axes.velocity
-            worst = int((change - allowed).argmax())
-            if change[worst] > allowed[worst]:
-                name, unit = self._axes.names[worst], self._axes.unit(worst)
-                limit = f'{allowed[worst]:.4g} {unit}'
-                return f'{name} would step by {change[worst]:.4g} {unit}, its limits allow {limit}'
-            self.state = DriveState.CATCHING_UP  # the machine has held up its sender, or these drives
-        fast = np.abs(q_dot) > self._fastest
-        if fast.any():
-            worst = int(fast.argmax())
-            return f'{self._axes.names[worst]} would move at {q_dot[worst]:.4g} {self._axes.unit(worst)}/s'
-        return ''
+    # -- what the drives are given ---------------------------------------------------------------------
 
-    # -- without them ----------------------------------------------------------------------------------
+    def _move(self, q: Array, q_dot: Array) -> None:
+        self._mean = (q - self._q) / self._period
+        self._q, self._q_dot = q, q_dot
+
+    def _stand(self) -> None:
+        self._q, self._q_dot = self.drives.position.copy(), np.zeros_like(self._q_dot)
+        self._mean = self._q_dot
+
+    def _reaches(self, q: Array) -> bool:
+        """The limits permit the axes to be there at the end of this period."""
+        mean = (q - self._q) / self._period
+        acceleration = (mean - self._mean) / self._period
+        inside = (np.abs(mean) <= self._fastest) & (np.abs(acceleration) <= self._hardest)
+        return bool(inside.all())
+
+    @property
+    def _before(self) -> Array:
+        """Velocities at the end of the last period, as far as its mean velocities permit them."""
+        most = 0.5 * self._period * self._axes.acceleration
+        before: Array = np.clip(self._q_dot, self._mean - most, self._mean + most)
+        return before
 
     def _ramp_down(self) -> None:
         most = self._period * self._axes.acceleration
-        before = self._q_dot
+        before = self._before
         # Subtracting a speed from itself leaves zero exactly, so that the ramp ends.
-        self._q_dot = before + np.clip(-before, -most, most)
-        self._q = self._inside(self._q + 0.5 * self._period * (before + self._q_dot))
+        velocity = before + np.clip(-before, -most, most)
+        self._move(self._inside(self._q + 0.5 * self._period * (before + velocity)), velocity)
 
     def _may_brake(self, velocity: Array) -> bool:
         silent = not self._on or self._watchdog.lost
@@ -220,13 +246,13 @@ class SupervisedDrives:
     def _brake(self) -> None:
         self.drives.rest()
         self.state = DriveState.BRAKED
-        self._q, self._q_dot = self.drives.position.copy(), np.zeros_like(self._q_dot)
+        self._stand()
         self.problem = self.problem or ('the references have ended' if self._on else 'switched off')
 
     def _catch_up(self, q: Array, q_dot: Array) -> None:
         """Approach a reference that moves, inside the limits."""
         self.state = DriveState.CATCHING_UP
-        axes, dt, before = self._axes, self._period, self._q_dot
+        axes, dt, before = self._axes, self._period, self._before
         most = dt * axes.acceleration
         error = q - self._q - 0.5 * dt * (before + q_dot)
         far = np.abs(error)
@@ -234,9 +260,14 @@ class SupervisedDrives:
         wanted = q_dot + np.copysign(towards, error)
         velocity = np.clip(np.clip(wanted, before - most, before + most), -axes.velocity, axes.velocity)
         position = self._inside(self._q + 0.5 * dt * (before + velocity))
-        if (np.abs(q - position) <= JOINED).all() and (np.abs(q_dot - velocity) <= most).all():
+        if (np.abs(q - position) <= JOINED).all() and self._joins(q, q_dot):
             self.state, position, velocity = DriveState.FOLLOWING, q, q_dot
-        self._q, self._q_dot = position, velocity
+        self._move(position, velocity)
+
+    def _joins(self, q: Array, q_dot: Array) -> bool:
+        """The next reference can be reached too, if it keeps the limits."""
+        most = 0.5 * self._period * self._hardest
+        return self._reaches(q) and bool((np.abs(q_dot - (q - self._q) / self._period) <= most).all())
 
     def _inside(self, q: Array) -> Array:
         inside: Array = np.clip(q, self._axes.lower, self._axes.upper)

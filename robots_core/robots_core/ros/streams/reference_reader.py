@@ -30,6 +30,8 @@ class ReferenceReader:
 
     def __init__(self, names: Sequence[str], what: str) -> None:
         self._names, self._what = list(names), what
+        self.lead = 0.0
+        """How long after its stamp the last reference is to be reached, s: the period of its sender."""
         self._content = b''  # of the last message, behind its stamp
         self._rows: Array | None = None
 
@@ -53,4 +55,5 @@ class ReferenceReader:
         rows = single_point(message, self._names, self._what)
         # Bytes that only fill up are whatever was in the sender's memory.
         self._rows = before if before is not None and np.array_equal(before, rows) else rows
+        self.lead = seconds(message.points[0].time_from_start)
         return self._rows, seconds(message.header.stamp)

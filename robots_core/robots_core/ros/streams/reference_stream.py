@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from typing import Final
 
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -15,6 +16,9 @@ from robots_core.validation import Array
 
 EMPTY_SEQUENCE_SIZE = 4
 DURATION_SIZE = 8
+# The time of day has been set if it has changed by more than this; two readings of a busy machine differ too.
+CLOCK_STEP: Final = 1_000_000  # ns
+READINGS: Final = 5
 
 
 class ReferenceStream:
@@ -52,6 +56,7 @@ class ReferenceStream:
             point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
             return JointTrajectory(joint_names=list(names), points=[point])
 
+        self._offset = _offset_to_time_of_day()
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
 
@@ -60,13 +65,24 @@ class ReferenceStream:
 
         Args:
             reference: (3, n): position, velocity, acceleration; never changed after it was published.
-            deadline: When it was due, s on the clock of `TimedNode.now`: the message's stamp, free of the
-                jitter of sending.
+            deadline: When it was due, s on the clock of `TimedNode.now`: the message's stamp. Two stamps are
+                as far apart as their deadlines, whatever the jitter of sending.
         """
         if self._simulated:
             nanoseconds = round(NANOSECONDS * deadline)
         else:
-            nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
+            if abs(time.time_ns() - time.monotonic_ns() - self._offset) > CLOCK_STEP:
+                self._offset = _offset_to_time_of_day()
+            nanoseconds = self._offset + int(NANOSECONDS * deadline)
         if reference is not self._last:  # one that stands is the same from period to period
             self._serialized.rows[:] = self._last = reference
         self._publish(self._serialized.stamped(nanoseconds))
+
+
+def _offset_to_time_of_day() -> int:
+    """Time of day less `time.monotonic`, ns: the least interrupted of several readings."""
+    readings = []
+    for _ in range(READINGS):
+        before, now, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
+        readings.append((after - before, now - (before + after) // 2))
+    return min(readings)[1]
