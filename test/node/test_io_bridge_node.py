@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8, UInt8MultiArray, UInt16MultiArray
 
 from plant_partners import ModbusPartner
+from robots_controller.io.unknown_inputs import unknown_inputs
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
@@ -90,6 +91,26 @@ def test_a_plc_that_publishes_words(ros_nodes: Any):
     # 0..10 V is 0..4095: 5 V is 2047.5, rounded to the even neighbour.
     expected = [0b101, 2048]
     plc.wait(lambda: [list(m.data) for m in words[-3:]] == 3 * [expected], 'the words and their repetitions')
+
+
+def test_inputs_without_a_value_are_named_in_the_label_of_their_image(bridge: Any):
+    rows = [
+        f'  - {{channel: digital_input.{k}, topic: plc/{name}, type: Bool}}\n'
+        for k, name in enumerate('ab', 1)
+    ]
+    plc = bridge('inputs:\n' + ''.join(rows))
+    images = plc.collect('digital_inputs', UInt8MultiArray, EVERY_STATE)
+
+    def unknown() -> dict[int, str]:
+        return unknown_inputs(one.label for one in images[-1].layout.dim)
+
+    silent = {k: f'plc/{name} has sent no value yet' for k, name in enumerate('ab', 1)}
+    plc.wait(lambda: images and unknown() == silent, 'the start')
+    plc.repeat('plc/a', Bool(data=False))  # the value that it has already
+    plc.wait(lambda: unknown() == {2: silent[2]}, 'a value of one')
+    plc.repeat('plc/b', Bool(data=True))
+    plc.wait(lambda: list(images[-1].data) == [0, 1] and not unknown(), 'values of both')
+    assert not images[-1].layout.dim
 
 
 class RobotInLockstep(TimedNode):

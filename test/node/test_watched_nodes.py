@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from std_msgs.msg import UInt8MultiArray
+from std_msgs.msg import Bool, UInt8MultiArray
 
 from robots_controller.nodes.controller_node import ControllerNode
+from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.peers.heartbeat import Heartbeat
@@ -68,6 +70,30 @@ def test_an_input_stops_the_robot_until_it_is_released_and_reset(
     bench.wait(lambda: bench.call('controller_node/reset').success, 'the reset')
     bench.wait(lambda: not bench.controller._controller.stops.latched, 'a robot that may move')
     bench.send(bench.references[-1], HOME)
+    assert bench.result().ok
+
+
+def test_a_plc_that_has_not_sent_yet_is_told_from_a_button_and_one_reset_starts(
+    ros_nodes: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / 'map.yaml'
+    row = '{channel: digital_input.2, topic: plc/e_stop, type: Bool, qos: {durability: transient_local}}'
+    path.write_text(f'inputs:\n  - {row}')
+    bench = ControllerBench(ros_nodes, controller=INPUTS)
+    stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE)
+    bench.start_node(IoBridgeNode, io_map=str(path))
+    reason = 'emergency stop by digital_input.2 (unknown: plc/e_stop has sent no value yet)'
+    bench.wait(lambda: stops and stops[-1].message == reason, 'the stop')
+    bench.until_health(DiagnosticStatus.ERROR, f'stopped until ~/reset: {reason}')
+    assert bench.call('controller_node/reset').message == f'cannot reset: {reason}'
+    assert f'stopped: {reason}' in capfd.readouterr().err
+    bench.publish('plc/e_stop', Bool(data=False), STATE)  # somebody has pressed it
+    pressed = 'cannot reset: emergency stop by digital_input.2'
+    bench.wait(lambda: bench.call('controller_node/reset').message == pressed, 'the button')
+    bench.publish('plc/e_stop', Bool(data=True), STATE)
+    bench.wait(lambda: bench.call('controller_node/reset').success, 'the reset')
+    bench.wait(lambda: not bench.controller._controller.stops.latched, 'a robot that may move')
+    bench.send(HOME, AWAY)
     assert bench.result().ok
 
 

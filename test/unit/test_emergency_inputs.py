@@ -8,6 +8,8 @@ import pytest
 
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts, parse_emergency_stop
+from robots_controller.io.io_image import Channel
+from robots_controller.io.unknown_inputs import unknown_inputs, unknown_label
 from robots_core.errors import InvalidInputError, RobotsError
 
 from .simulated_program import run_text
@@ -41,6 +43,21 @@ def test_an_input_that_the_image_does_not_have_stops_as_its_value_is_unknown() -
     inputs = parse_emergency_stop(['digital_input.2=off', 'digital_input.3=on'])
     assert inputs.reason([0, 1]) == 'emergency stop by digital_input.3 (unknown: digital_inputs is too short)'
     assert inputs.reason([]).count('digital_inputs is too short') == 2
+
+
+def test_an_input_without_a_value_of_the_plc_stops_with_why() -> None:
+    inputs = parse_emergency_stop(['digital_input.2=off', 'digital_input.3=off'])
+    why = {
+        Channel('digital', 'input', 2): 'Modbus plc:502 has sent no value yet',
+        Channel('analog', 'input', 3): 'plc/level has sent no value yet',
+    }
+    unknown = unknown_inputs([unknown_label(why), 'digital_input.1..3', ''])
+    assert unknown == {2: 'Modbus plc:502 has sent no value yet'}
+    assert inputs.reason([0, 0, 1], unknown) == (
+        'emergency stop by digital_input.2 (unknown: Modbus plc:502 has sent no value yet)'
+    )
+    assert inputs.reason([0, 0, 0], unknown).endswith('sent no value yet), digital_input.3')
+    assert inputs.reason([0, 1, 1], unknown) == ''
 
 
 def test_an_input_that_nothing_sets_is_refused_with_those_that_are_set(tmp_path: Path) -> None:
@@ -103,6 +120,15 @@ def test_an_input_ends_the_program_and_stops_the_robot(tmp_path: Path) -> None:
     assert str(run.error) == 'program.lua:1: emergency stop by digital_input.2'
     assert 0.5 < run.duration < 1.5
     assert not run.velocity[-1].any()
+
+
+def test_a_simulation_without_a_plc_says_what_sends_nothing(tmp_path: Path) -> None:
+    rows = 'inputs:\n  - {channel: digital_input.2, topic: plc/e_stop, type: Bool}\n'
+    io_map = written(tmp_path, rows + 'emergency_stop: {digital_input.2: off}', 'map.yaml')
+    run = run_text(tmp_path, MOVE, io_map=io_map)
+    assert run.state == 'FAILED'
+    assert 'digital_input.2 (unknown: nothing sends plc/e_stop in a simulation)' in str(run.error)
+    assert not run.velocity.any()
 
 
 def test_a_circuit_that_is_open_from_the_start_lets_nothing_move(tmp_path: Path) -> None:

@@ -42,6 +42,15 @@ class CellIo(ChannelDeclarations):
         silent = {row.channel: row.fail_safe for row in self.io_map.inputs}
         return replace(self.script, initial=MappingProxyType({**self.script.initial, **silent}))
 
+    @property
+    def unknown_offline(self) -> dict[int, str]:
+        """Why the digital inputs of a map whose topics have no publisher are not known, by their indices."""
+        return {
+            row.channel.index: f'nothing sends {row.place.source} in a simulation'
+            for row in self.io_map.inputs
+            if row.channel.kind == 'digital'
+        }
+
 
 def read_cell_io(io: Path | str = '', io_map: Path | str = '', *, orbit: Path | str = '') -> CellIo:
     """Read the files of a cell's inputs and outputs.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Final
 
 from robots_controller.io.io_image import Channel
@@ -26,19 +27,19 @@ class EmergencyInputs:
     def __bool__(self) -> bool:
         return bool(self._stopping)
 
-    def reason(self, image: Sequence[int]) -> str:
+    def reason(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> str:
         """Which inputs stop the robot, for a person; '' if none does.
 
         Args:
             image: The digital inputs from the first one on; one that is not in it stops the robot too, as
                 its value is unknown.
+            unknown: Why the values of inputs are not those of their PLC, by their indices.
         """
         named = []
         for index, value in self._stopping.items():
-            if index > len(image):
-                named.append(f'digital_input.{index} (unknown: digital_inputs is too short)')
-            elif int(image[index - 1]) == value:
-                named.append(f'digital_input.{index}')
+            why = 'digital_inputs is too short' if index > len(image) else unknown.get(index, '')
+            if index > len(image) or int(image[index - 1]) == value:
+                named.append(f'digital_input.{index} (unknown: {why})' if why else f'digital_input.{index}')
         return f'emergency stop by {", ".join(named)}' if named else ''
 
 

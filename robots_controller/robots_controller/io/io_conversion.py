@@ -25,6 +25,7 @@ class InputValue:
         self.stamp = math.nan
         """Of the newest value, s since 1970."""
         self._heard = start
+        self._known = False
         self._spoke = False
         self._value = row.fail_safe
         self._coming: float | None = None  # what is debounced
@@ -44,7 +45,7 @@ class InputValue:
         value = from_field(self.row, raw)
         self.stamp = stamp
         self.update(now)
-        first, self._spoke, self._heard = not self._spoke, True, now
+        first, self._spoke, self._known, self._heard = not self._spoke, True, True, now
         if value == self._value or self.row.debounce == 0.0 or first:
             self._value, self._coming = value, None
         elif value != self._coming:
@@ -62,6 +63,13 @@ class InputValue:
     def silent(self, now: float) -> bool:
         """It has been waiting for a message longer than its timeout."""
         return now >= self._heard + self.row.timeout
+
+    def unknown(self, now: float) -> str:
+        """Why the value is not that of its place, for a person; '' if it is."""
+        source = self.row.place.source
+        if not self._known:
+            return f'{source} has sent no value yet'
+        return f'{source} has been silent for {self.row.timeout:g} s' if self.silent(now) else ''
 
     def next_time(self, now: float) -> float:
         """When the value may change without a message, s; infinite for never."""

@@ -109,7 +109,7 @@ class IoBridgeNode(RobotNode):
         now = self.now()
         for channel, value in self.bridge.take_inputs(now):
             self._images.set(channel, value)
-        self._images.publish()
+        self._images.publish(self.bridge.unknown)
         for port in self._ports.values():
             for text in port.news():
                 self.journal.info(text)

@@ -53,6 +53,7 @@ class CellParts:
         io_labels: Names of inputs and outputs.
         fail_safe: Values of outputs when no running program answers for them.
         emergency_stop: Inputs that stop the robot.
+        unknown_inputs: Why the values of digital inputs are not those of a PLC, by their indices.
         zone_inputs: Inputs that close the borders of zones.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
@@ -77,6 +78,7 @@ class CellParts:
     io_labels: Mapping[str, Sequence[str]]
     fail_safe: FailSafe
     emergency_stop: EmergencyInputs
+    unknown_inputs: Mapping[int, str]
     zone_inputs: ZoneInputs
     scene: str
     io: str
@@ -145,6 +147,7 @@ def cell_parts(
         io_labels=cell_io.labels,
         fail_safe=cell_io.fail_safe,
         emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
+        unknown_inputs=cell_io.unknown_offline,
         zone_inputs=ZoneInputs(closing_inputs(zones, cell_io.signals)),
         scene=str(scene),
         io=str(io),

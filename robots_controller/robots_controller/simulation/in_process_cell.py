@@ -366,7 +366,8 @@ class InProcessCell:
     def _watch_inputs(self) -> None:
         """Stop for the digital inputs that are published, and close zones by them."""
         bits = self.program.io.bits('digital_inputs')
-        self._watched.look(bits[: self._inputs.get('digital_inputs', 0)].tolist())
+        image = bits[: self._inputs.get('digital_inputs', 0)].tolist()
+        self._watched.look(image, self._parts.unknown_inputs)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as the service, which takes none
         self.control.stop_before_collision()

@@ -1,6 +1,7 @@
 """WatchedInputs: digital inputs that stop the robot or close the borders of zones, at the controller."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
@@ -22,9 +23,14 @@ class WatchedInputs:
         self._reason = ''
         self._closed: frozenset[str] | None = None
 
-    def look(self, image: Sequence[int]) -> None:
-        """Look at the digital inputs, from the first one on."""
-        closed, reason = self._zones.closed(image), self._emergency.reason(image)
+    def look(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> None:
+        """Look at the digital inputs.
+
+        Args:
+            image: From the first one on.
+            unknown: See `EmergencyInputs.reason`.
+        """
+        closed, reason = self._zones.closed(image), self._emergency.reason(image, unknown)
         if closed != self._closed:
             self._closed = closed
             self._control.close_zones(closed)

@@ -13,6 +13,7 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import LOST_NODES, Fault
 from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
+from robots_controller.io.unknown_inputs import unknown_inputs
 from robots_controller.io.zone_inputs import ZoneInputs
 from robots_core.errors import InvalidInputError
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
@@ -87,7 +88,7 @@ class WatchedNodes:
         self._wait()
 
     def _on_inputs(self, message: UInt8MultiArray) -> None:
-        self._inputs.look(message.data)
+        self._inputs.look(message.data, unknown_inputs(one.label for one in message.layout.dim))
         if self._image_awaited:
             self._image_awaited = False
             self._wait()

@@ -1,14 +1,16 @@
 """The robot's image topics from the other side: inputs are published, outputs are subscribed to."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from rclpy.node import Node
-from std_msgs.msg import Float64MultiArray, MultiArrayLayout, UInt8MultiArray
+from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel, image_sizes
+from robots_controller.io.unknown_inputs import unknown_label
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.timed_node import TimedNode
@@ -30,15 +32,23 @@ class ImagePublisher:
     ) -> None:
         self._message, self._layout = image_message(image), layout or MultiArrayLayout()
         self.publisher: Any = make_publisher(node, self._message, topic or image)
-        self._published: bytes | None = None
+        self._published: tuple[bytes, str] | None = None
 
-    def publish(self, values: Array) -> None:
-        """Publish the values if they are others than before."""
-        if self._published != values.tobytes():
-            self._published = values.tobytes()
-            digital = self._message is UInt8MultiArray
+    def publish(self, values: Array, label: str = '') -> None:
+        """Publish the values if they are others than before.
+
+        Args:
+            values: From the first channel on.
+            label: Of the message, in the place of that of the layout; another one is published too.
+        """
+        if self._published != (values.tobytes(), label):
+            self._published = values.tobytes(), label
+            digital, size = self._message is UInt8MultiArray, values.size
             data = values.astype('u1').tobytes() if digital else doubles(values)
-            self.publisher.publish(self._message(layout=self._layout, data=data))
+            layout = self._layout
+            if label:
+                layout = MultiArrayLayout(dim=[MultiArrayDimension(label=label, size=size, stride=size)])
+            self.publisher.publish(self._message(layout=layout, data=data))
 
     def repeat(self) -> None:
         """Publish the next values, whatever they are."""
@@ -62,10 +72,15 @@ class InputImages:
         """Set a value; it is sent with the next `publish`."""
         self._values[channel.image][channel.index - 1] = value
 
-    def publish(self) -> None:
-        """Publish the images that changed since the last time."""
+    def publish(self, unknown: Mapping[Channel, str] = MappingProxyType({})) -> None:
+        """Publish the images that changed since the last time.
+
+        Args:
+            unknown: Inputs whose values are not those of a PLC, and why, for a person.
+        """
         for image, values in self._values.items():
-            self._publishers[image].publish(values)
+            label = unknown_label({one: why for one, why in unknown.items() if one.image == image})
+            self._publishers[image].publish(values, label)
 
 
 class OutputImages:
