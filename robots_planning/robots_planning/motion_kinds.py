@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
+from robots_core.cell_interface.topic_qos import add_commands
 from robots_planning.robot_command_state import RobotCommandState
 
 
@@ -15,7 +16,8 @@ class MotionKind:
     Attributes:
         name: Short name, which planners list.
         title: What reports and messages call it.
-        topic: Topic of its commands; all have the QoS of commands.
+        what: Where it leads, for the table of topics.
+        topic: Topic of its commands.
         message_type: Type of its commands, as package/msg/Name.
         state: Command state while a robot program moves so.
         target: Joint positions, a pose of the tool, or several poses of its path.
@@ -26,6 +28,7 @@ class MotionKind:
 
     name: str
     title: str
+    what: str
     topic: str
     message_type: str
     state: RobotCommandState
@@ -43,6 +46,7 @@ class MotionKind:
 JOINT: Final = MotionKind(
     name='joint',
     title='PTPJOINT_JOINT',
+    what='to joint positions, straight in joint space',
     topic='ptpjoint_joint',
     message_type='sensor_msgs/msg/JointState',
     state=RobotCommandState.PTPJOINT_JOINT,
@@ -53,6 +57,7 @@ JOINT: Final = MotionKind(
 JOINT_TO_POSE: Final = MotionKind(
     name='joint_to_pose',
     title='PTPJOINT_CARTESIAN',
+    what='to a pose, straight in joint space',
     topic='ptpjoint_cartesian',
     message_type='geometry_msgs/msg/PoseStamped',
     state=RobotCommandState.PTPJOINT_CARTESIAN,
@@ -63,6 +68,7 @@ JOINT_TO_POSE: Final = MotionKind(
 LINE: Final = MotionKind(
     name='line',
     title='PTPCARTESIAN',
+    what='to a pose, on a straight line',
     topic='ptpcartesian',
     message_type='geometry_msgs/msg/PoseStamped',
     state=RobotCommandState.PTPCARTESIAN,
@@ -73,6 +79,7 @@ LINE: Final = MotionKind(
 CIRCLE: Final = MotionKind(
     name='circle',
     title='PTPCARTESIAN circle',
+    what='on an arc through a pose to another',
     topic='circcartesian',
     message_type='nav_msgs/msg/Path',
     state=RobotCommandState.TRAJECTORY,
@@ -84,6 +91,7 @@ CIRCLE: Final = MotionKind(
 SPLINE: Final = MotionKind(
     name='spline',
     title='PTPCARTESIAN spline',
+    what='on a smooth curve through poses',
     topic='splinecartesian',
     message_type='nav_msgs/msg/Path',
     state=RobotCommandState.TRAJECTORY,
@@ -95,6 +103,7 @@ SPLINE: Final = MotionKind(
 
 MOTION_KINDS: Final = (JOINT, JOINT_TO_POSE, LINE, CIRCLE, SPLINE)
 """All that can be commanded."""
+add_commands(kind.topic for kind in MOTION_KINDS)
 KIND_OF_TOPIC: Final[Mapping[str, MotionKind]] = MappingProxyType({kind.topic: kind for kind in MOTION_KINDS})
 KIND_OF_FUNCTION: Final[Mapping[str, MotionKind]] = MappingProxyType(
     {function: kind for kind in MOTION_KINDS for function in kind.functions}

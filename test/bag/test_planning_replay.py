@@ -16,6 +16,7 @@ from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import assert_bag_matches
 from robots_core import Pose, load_robot_model
 from robots_core.ros.lockstep.phases import START
+from robots_planning.motion_kinds import KIND_OF_TOPIC
 from written_bags import BAG_TYPES, write_bag
 
 from .node_process import node_process
@@ -23,7 +24,7 @@ from .node_process import node_process
 T = BAG_TYPES.types
 ROBOT = load_robot_model('ur10e')
 BEGIN = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
-COMMANDS = ('/ptpjoint_joint', '/ptpjoint_cartesian', '/ptpcartesian', '/circcartesian', '/splinecartesian')
+COMMANDS = tuple(f'/{topic}' for topic in KIND_OF_TOPIC)
 # The same code plans the same on every machine except for rounding, which inverse kinematics along a path
 # does not magnify; times of points are whole nanoseconds. Stamps are ids here and no times.
 TOLERANCES = """

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
@@ -17,8 +17,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
+from robots_planning.motion_kinds import MOTION_KINDS
 
 from .bench import EVERY_STATE, Bench
 
@@ -58,12 +60,10 @@ class LuaBench(Bench):
     def start_planner(self) -> None:
         self.planner = self.runner.create_node('planning_node')
         self.results = self.planner.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        for topic, kind in (
-            ('ptpjoint_joint', JointState),
-            ('ptpjoint_cartesian', PoseStamped),
-            ('ptpcartesian', PoseStamped),
-        ):
-            self.planner.create_subscription(kind, topic, lambda m, t=topic: self._command(t, m), COMMAND)
+        for kind in MOTION_KINDS:
+            self.planner.create_subscription(
+                message_class(kind.message_type), kind.topic, partial(self._command, kind.topic), COMMAND
+            )
         self.planner.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
 
     def _command(self, topic: str, message: Any) -> None:

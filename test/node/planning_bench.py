@@ -8,14 +8,13 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from rclpy.duration import Duration
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     doubles,
     joint_state_message,
@@ -26,6 +25,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning import Trajectory
+from robots_planning.motion_kinds import MOTION_KINDS
 from robots_planning.nodes.planning_node import PlanningNode
 
 from .bench import Bench
@@ -46,11 +46,7 @@ class PlanningBench(Bench):
         self.references: Any = None
         self.node = self.start_node(PlanningNode, **parameters)
         for topic, kind, qos in (
-            ('ptpjoint_joint', JointState, COMMAND),
-            ('ptpjoint_cartesian', PoseStamped, COMMAND),
-            ('ptpcartesian', PoseStamped, COMMAND),
-            ('circcartesian', Path, COMMAND),
-            ('splinecartesian', Path, COMMAND),
+            *((kind.topic, message_class(kind.message_type), COMMAND) for kind in MOTION_KINDS),
             ('trigger', Bool, COMMAND),
             ('reference_pose', PoseStamped, STATE),
             ('motion_result', DiagnosticStatus, COMMAND),

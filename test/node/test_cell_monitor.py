@@ -14,7 +14,7 @@ from robots_controller.live_cell.cell_events import Event, MotionCommanded
 from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_core.pose import Pose
 from robots_core.ros.messages import stamp_id
-from robots_planning.motion_kinds import KIND_OF_TOPIC
+from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
 
 STAMP = Time(sec=12, nanosec=34)
 
@@ -38,26 +38,15 @@ def path() -> Path:
     return message
 
 
-COMMANDS = {
-    'ptpjoint_joint': (joints, 'PTPJOINT_JOINT'),
-    'ptpjoint_cartesian': (lambda: pose_at(0.75), 'PTPJOINT_CARTESIAN'),
-    'ptpcartesian': (lambda: pose_at(0.75), 'PTPCARTESIAN'),
-    'circcartesian': (path, 'PTPCARTESIAN circle'),
-    'splinecartesian': (path, 'PTPCARTESIAN spline'),
-}
+MESSAGES = {'joints': joints, 'pose': lambda: pose_at(0.75), 'poses': path}
 
 
-def test_all_commands_are_here() -> None:
-    assert set(COMMANDS) == set(KIND_OF_TOPIC)
-
-
-@pytest.mark.parametrize('topic', COMMANDS)
-def test_a_command_is_an_event_with_its_target(ros_nodes: Any, topic: str) -> None:
-    make, kind = COMMANDS[topic]
+@pytest.mark.parametrize('kind', MOTION_KINDS, ids=lambda kind: kind.topic)
+def test_a_command_is_an_event_with_its_target(ros_nodes: Any, kind: MotionKind) -> None:
     monitor = ros_nodes.add(CellMonitor(namespace='/', context=ros_nodes.context))
     node = ros_nodes.create_node()
-    message = make()
-    publisher = node.create_publisher(type(message), topic, 10)
+    message = MESSAGES[kind.target]()
+    publisher = node.create_publisher(type(message), kind.topic, 10)
     ros_nodes.wait_for(publisher.get_subscription_count, what='the monitor')
     if isinstance(message, Path):
         publisher.publish(Path())  # leads nowhere: no motion
@@ -71,7 +60,7 @@ def test_a_command_is_an_event_with_its_target(ros_nodes: Any, topic: str) -> No
     ros_nodes.wait_for(reported, what='the command')
     (event,) = events
     assert isinstance(event, MotionCommanded)
-    assert (event.id, event.kind) == (stamp_id(STAMP), kind)
+    assert (event.id, event.kind) == (stamp_id(STAMP), kind.title)
     if isinstance(event.target, Pose):
         assert event.target.r.tolist() == [0.75, 0.0, 0.0]
     else:

@@ -6,12 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Path as NavPath
 from rcl_interfaces.msg import SetParametersResult
 
 from robots_controller.cell.program_motions import MOST_SENT
 from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.qos import COMMAND
 
 from .lua_bench import MOVE, LuaBench, SettingsBench, ignore
 
@@ -120,8 +118,6 @@ def test_the_status_tells_the_line_of_the_motion_that_was_sent(ros_nodes: Any, t
 
 def test_arcs_and_splines_are_paths(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
-    for topic in ('circcartesian', 'splinecartesian'):
-        bench.planner.create_subscription(NavPath, topic, lambda m, t=topic: bench._command(t, m), COMMAND)
     bench.start("""
         circCartesianSpace({1, 0, 1, 0, 90, 0}, {1, 0.5, 1, 0, 90, 0})
         splineCartesianSpace({1, 0, 1, 0, 90, 0}, {1, 0.5, 1, 0, 90, 0}, {1, 1, 1, 0, 90, 0})""")

@@ -18,14 +18,13 @@ from robots_controller.commands.error_catalogue import error_catalogue, what_hap
 from robots_controller.commands.robots import COMMANDS
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.live_cell import reference_tables
 from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
 from robots_core.cell_interface.topic_qos import PROFILES, TOPIC_QOS, topic_qos
 from robots_core.exit_codes import MEANINGS
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
-
-from .lua_signatures import signature
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / 'README.md'
@@ -132,7 +131,25 @@ def test_the_lua_functions_are_those_of_the_interpreter() -> None:
         names(row[0])[0]: (row[1], row[2])
         for row in table(DOCS / 'reference' / 'robot_programs.md', 'Robot programs')
     }
-    assert listed == {signature(f): (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
+    assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
+
+
+@pytest.mark.parametrize('name', reference_tables.PAGES)
+def test_rows_of_the_reference_are_those_that_the_command_writes(name: str) -> None:
+    page = (DOCS / 'reference' / name).read_text()
+    assert reference_tables.PAGES[name](page) == page
+
+
+def test_rows_of_the_reference_are_renewed_in_their_places(tmp_path: Path) -> None:
+    for name in reference_tables.PAGES:
+        page = (DOCS / 'reference' / name).read_text()
+        (tmp_path / name).write_text(re.sub(r'line|Cartesian', 'x', page))
+    reference_tables.write_pages(tmp_path)
+    renewed = (tmp_path / 'robot_programs.md').read_text()
+    assert '| `circCartesianSpace(via, target, [options])` | Moves the tool on an arc' in renewed
+    assert '| `ptpcartesian` | geometry_msgs/PoseStamped | COMMAND | anyone | command: ' in (
+        (tmp_path / 'topics.md').read_text()
+    )
 
 
 def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:

@@ -17,7 +17,6 @@ from robots_core.pose import Pose
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
 
 from .lua_host import LuaHost, wait_until
-from .lua_signatures import signature
 
 PAPER_FUNCTIONS = {  # of its table 2
     *('ptpCartesianSpace', 'ptpJointSpaceAngles', 'ptpJointSpacePosition', 'setDigitalOutput'),
@@ -31,12 +30,12 @@ def test_functions_are_those_of_the_paper():
         assert function.name == name
         assert function.doc.endswith('.')
         assert inspect.cleandoc(function.doc) == function.doc
-    assert signature(LUA_FUNCTIONS['ptpJointSpaceAngles']) == 'ptpJointSpaceAngles(q1, ..., qn, [options])'
+    assert LUA_FUNCTIONS['ptpJointSpaceAngles'].signature == 'ptpJointSpaceAngles(q1, ..., qn, [options])'
     assert (
-        signature(LUA_FUNCTIONS['ptpCartesianSpace'])
+        LUA_FUNCTIONS['ptpCartesianSpace'].signature
         == 'ptpCartesianSpace(x, y, z, phi1, phi2, phi3, [options])'
     )
-    assert signature(LUA_FUNCTIONS['waitDigitalInput']) == 'waitDigitalInput(index, value, [timeout])'
+    assert LUA_FUNCTIONS['waitDigitalInput'].signature == 'waitDigitalInput(index, value, [timeout])'
 
 
 def test_every_function_that_moves_the_robot_is_there_and_takes_options():

@@ -1,7 +1,8 @@
 """Writes the tables of nodes: `python -m robots_controller.live_cell.describe_nodes`, in the repository.
 
-For each package the table that `--help` prints from, and the page of the docs. To be run again when a node
-gets another parameter, topic or service.
+For each package the table that `--help` prints from, and the page of the docs; and the rows of the reference
+that `reference_tables` makes. To be run again when a node gets another parameter, topic or service, and for
+another kind of motion or another function of robot programs.
 """
 
 from importlib import import_module
@@ -13,6 +14,7 @@ import rclpy
 import yaml
 
 from robots_controller.live_cell.node_types import node_scripts, node_type
+from robots_controller.live_cell.reference_tables import write_pages
 from robots_core.ros.running.node_help import TABLE, default_text, described
 
 PAGE: Final = Path('docs/reference/node_parameters.md')
@@ -72,6 +74,7 @@ def main() -> None:
     for package, nodes in packages.items():
         (Path(str(files(package))) / TABLE).write_text(table_text(nodes), 'utf-8')
     PAGE.write_text(page_text(packages), 'utf-8')
+    write_pages()
 
 
 if __name__ == '__main__':

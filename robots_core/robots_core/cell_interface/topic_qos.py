@@ -1,6 +1,6 @@
 """Quality of service of the suite's topics, in one table: nodes, bags and the documentation read it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
@@ -124,11 +124,6 @@ _STATES_OF_ANYONE: Final = (
     'analog_inputs',
 )
 _COMMANDS: Final = (
-    'ptpjoint_joint',
-    'ptpjoint_cartesian',
-    'ptpcartesian',
-    'circcartesian',
-    'splinecartesian',
     'joint_trajectory',
     'motion_plan',
     'motion_result',
@@ -138,27 +133,31 @@ _COMMANDS: Final = (
     'tf',
 )
 
-TOPIC_QOS: Final[Mapping[str, TopicQos]] = MappingProxyType(
-    {
-        **dict.fromkeys(_OWN_STATES, _one(STATE)),
-        **dict.fromkeys(_STATES_OF_ANYONE, _STATE_OF_ANYONE),
-        **dict.fromkeys(_COMMANDS, _one(COMMAND)),
-        # Drivers that send sensor data unacknowledged are heard too. The next reference comes before a lost
-        # one could be sent again, so its publisher need not ask again and again what has arrived.
-        **dict.fromkeys(('joint_states', 'measured_wrench', 'joint_reference'), _MEASURED),
-        'motion_progress': TopicQos(STATE, (STREAM,), STREAM),
-        **dict.fromkeys(('teach_twist', 'teach_joints'), _one(STREAM)),
-        # A trigger needs the pose that was sent last, perhaps once.
-        'reference_pose': TopicQos(COMMAND, (STREAM,), SENSOR, unacknowledged=True),
-        **dict.fromkeys(('reference_twist', 'joy', 'vehicle_imu'), _REFERENCE_OF_ANYONE),
-        # COMMAND loses none of several objects that are sent one by one; STATE receives what is latched.
-        'collision_objects': TopicQos(COMMAND, (COMMAND, STATE), STATE, unacknowledged=True),
-        'heartbeat': _one(SENSOR),
-        'parameter_events': _one(EVENTS),
-        'rosout': TopicQos(LOG, (COMMAND,), COMMAND),
-    }
-)
+_ROWS: Final[dict[str, TopicQos]] = {
+    **dict.fromkeys(_OWN_STATES, _one(STATE)),
+    **dict.fromkeys(_STATES_OF_ANYONE, _STATE_OF_ANYONE),
+    **dict.fromkeys(_COMMANDS, _one(COMMAND)),
+    # Drivers that send sensor data unacknowledged are heard too. The next reference comes before a lost
+    # one could be sent again, so its publisher need not ask again and again what has arrived.
+    **dict.fromkeys(('joint_states', 'measured_wrench', 'joint_reference'), _MEASURED),
+    'motion_progress': TopicQos(STATE, (STREAM,), STREAM),
+    **dict.fromkeys(('teach_twist', 'teach_joints'), _one(STREAM)),
+    # A trigger needs the pose that was sent last, perhaps once.
+    'reference_pose': TopicQos(COMMAND, (STREAM,), SENSOR, unacknowledged=True),
+    **dict.fromkeys(('reference_twist', 'joy', 'vehicle_imu'), _REFERENCE_OF_ANYONE),
+    # COMMAND loses none of several objects that are sent one by one; STATE receives what is latched.
+    'collision_objects': TopicQos(COMMAND, (COMMAND, STATE), STATE, unacknowledged=True),
+    'heartbeat': _one(SENSOR),
+    'parameter_events': _one(EVENTS),
+    'rosout': TopicQos(LOG, (COMMAND,), COMMAND),
+}
+TOPIC_QOS: Final[Mapping[str, TopicQos]] = MappingProxyType(_ROWS)
 """By the last part of a topic's name."""
+
+
+def add_commands(topics: Iterable[str]) -> None:
+    """Add rows for topics of commands: for a table of another package that has more of them."""
+    _ROWS.update(dict.fromkeys(topics, _one(COMMAND)))
 
 
 def topic_qos(topic: str) -> TopicQos:

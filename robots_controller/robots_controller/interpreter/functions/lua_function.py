@@ -73,6 +73,18 @@ class LuaFunction:
             return ''
         return 'cartesian' if kind.cartesian else 'joint'
 
+    @property
+    def signature(self) -> str:
+        """As in the reference: name(arguments), those in brackets optional."""
+        names = []
+        for argument in self.arguments:
+            name = argument.name
+            if argument.per_axis or argument.repeated:
+                name = f'{name}1, ..., {name}n'
+            names.append(f'[{name}]' if argument.optional else name)
+        names += ['[options]'] * bool(self.options) + ['...'] * self.more
+        return f'{self.name}({", ".join(names)})'
+
 
 def lua_function(
     *arguments: Argument,
