@@ -110,7 +110,7 @@ def _imu(stamp: int, motion: VehicleMotion) -> Any:
     unknown, none = np.array([-1.0, *[0.0] * 8]), np.zeros(9)  # as the message's definition has it
     rate, force = (_numbers('Vector3', row) for row in (motion.angular_velocity, motion.specific_force))
     level = _numbers('Quaternion', np.array([0.0, 0.0, 0.0, 1.0]))
-    return ros.message(TYPE, ros.header(stamp, 'vehicle'), level, unknown, rate, none, force, none)
+    return ros.message(TYPE, ros.BUILD.header(stamp, 'vehicle'), level, unknown, rate, none, force, none)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""The frames of a robot's base, by the names that messages give them."""
+"""The frames of a robot by the names that messages give them: those of its base, and its flange."""
 
 from typing import Final
 
@@ -7,6 +7,7 @@ from robots_core.pose import Pose
 
 BASE_FRAME: Final = 'base'
 BASE_LINK: Final = 'base_link'
+TOOL_FRAME: Final = 'tool0'
 BASE_FRAMES: Final = ('', BASE_FRAME, BASE_LINK)
 """A message without a frame is in `base`."""
 AT_BASE: Final = Pose.identity()

@@ -6,7 +6,7 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.compiled import compiled
@@ -86,6 +86,15 @@ class Trajectory:
         change the second difference of positions by up to a nanosecond of motion over the square of a step.
         """
         return np.round(time * 1e9) / 1e9
+
+    def points_of_message(self, join_time: float = 0.0) -> tuple[NDArray[np.int64], Array]:
+        """Times (m,), ns, and position, velocity and acceleration, (3, m, n), of the points of its message.
+
+        Args:
+            join_time: Time of the first one: where it continues from another trajectory, s.
+        """
+        times = np.round(self.time * 1e9).astype(np.int64) + round(join_time * 1e9)
+        return times, np.array([self.position, self.velocity, self.acceleration])
 
     @property
     def num_axes(self) -> int:

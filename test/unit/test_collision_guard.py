@@ -12,6 +12,7 @@ from robots_core.blocks import CollisionDetection, JointPath, Scene, SceneObject
 from robots_core.blocks.collision.collision_guard import CollisionGuard
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.shapes import Sphere
+from robots_core.status import Level
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 DETECTION = CollisionDetection(ROBOT)
@@ -64,8 +65,8 @@ def test_a_place_on_the_path_stops_the_robot_once_when_it_is_near(guard: Collisi
     guard.planned('a', move(0.0, 1.2))
     danger = guard.motions['a'].danger
     assert danger is not None
-    status = guard.look(turned(0.0), STILL)
-    assert (status.level, status.values['ahead']) == ('warning', danger.describe())
+    status = guard.look(turned(0.0), STILL).status
+    assert (status.level, status.values['ahead']) == (Level.WARN, danger.describe())
     guard.progress((danger.time - 1.1) / 10.0)
     assert not stops.reasons
     guard.progress((danger.time - 0.9) / 10.0)
@@ -112,7 +113,7 @@ def test_a_robot_that_leaves_its_path_is_stopped(guard: CollisionGuard, stops: S
     guard.planned('a', move(0.0, -0.5, 2.0))
     guard.look(turned(0.0), STILL)
     assert not stops.reasons
-    assert guard.look(turned(1.0), STILL).level == 'error'
+    assert guard.look(turned(1.0), STILL).status.level is Level.ERROR
     assert len(stops.reasons) == 1
 
 
@@ -136,7 +137,7 @@ def test_a_new_scene_is_looked_at_where_the_robot_stands(guard: CollisionGuard, 
     guard.set_scene(ball(0.0))
     inside = guard.look(turned(0.0), STILL)
     assert before.distance > inside.distance == 0.0
-    assert 'link_6/flange - ball' in str(inside.values['contacts'])
+    assert 'link_6/flange - ball' in str(inside.status.values['contacts'])
     assert not stops.reasons  # a robot that stands
 
 

@@ -24,11 +24,11 @@ STATES = RANDOM.normal(size=(5, 3, 6))
 
 def state(k: int, names: tuple[str, ...] = NAMES, count: int = 3) -> Any:
     columns = [NAMES.index(name) for name in names]
-    return ros.joint_state(1_700_000_000_123_456_789 + k, names, *STATES[k][:count, columns].copy())
+    return ros.BUILD.joint_state(1_700_000_000_123_456_789 + k, names, *STATES[k][:count, columns].copy())
 
 
 def reference(k: int) -> Any:
-    return ros.joint_trajectory(
+    return ros.BUILD.joint_trajectory(
         1_700_000_000_123_456_789 + k, NAMES[::-1], [(4_000_000, *STATES[k][:, ::-1].copy())]
     )
 

@@ -31,12 +31,12 @@ def test_references_are_those_that_serialization_makes(samples: list[tuple[int, 
     kind = 'trajectory_msgs/msg/JointTrajectory'
     template = [marks(n, i) for i in range(3)]
     rows = MessageRows(
-        ros.typestore(), kind, ros.joint_trajectory(0, names, [(4_000_000, *template)]), template
+        ros.typestore(), kind, ros.BUILD.joint_trajectory(0, names, [(4_000_000, *template)]), template
     )
     stamps = np.array([stamp for stamp, _ in samples])
     filled = rows.fill(stamps, [values[:, i] for i in range(3)])
     for stamp, value, row in zip(stamps.tolist(), values, filled, strict=True):
-        message = ros.joint_trajectory(stamp, names, [(4_000_000, *value)])
+        message = ros.BUILD.joint_trajectory(stamp, names, [(4_000_000, *value)])
         assert row.tobytes() == bytes(ros.typestore().serialize_cdr(message, kind))
     read = rows.read([row.tobytes() for row in filled])
     assert read is not None

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
 from robots_controller.cell.program_reporter import BURST, RATE, ProgramReporter
 from robots_controller.program.run_state import RunState
+from robots_core.status import Level, Status
 
 
 class Desk:
@@ -20,13 +19,14 @@ class Desk:
         self.program = SimpleNamespace(
             run_state=RunState.RUNNING,
             line=1,
+            file='test.lua',
             line_file='test.lua',
             error=None,
             hold_reason='',
             call_stack='[]',
             source_line=lambda line: f'line({line})',
         )
-        self.reports: list[tuple[RunState, str, Mapping[str, Any]]] = []
+        self.reports: list[tuple[RunState, Status]] = []
         self.reporter = ProgramReporter(
             self.program,  # type: ignore[arg-type]
             self,  # type: ignore[arg-type]  # nothing waits
@@ -42,7 +42,7 @@ class Desk:
 
     @property
     def lines(self) -> list[int]:
-        return [values['line'] for _, _, values in self.reports]
+        return [status.values['line'] for _, status in self.reports]
 
 
 @pytest.fixture
@@ -52,9 +52,15 @@ def desk() -> Desk:
 
 def test_a_line_is_reported_at_once_with_its_place(desk: Desk) -> None:
     desk.go_to(7)
-    ((state, error, values),) = desk.reports
-    assert (state, error) == (RunState.RUNNING, '')
-    assert values == {'state': 'RUNNING', 'file': 'test.lua', 'line': 7, 'source': 'line(7)', 'error': ''}
+    ((state, status),) = desk.reports
+    assert (state, status.level, status.text) == (RunState.RUNNING, Level.OK, 'test.lua: RUNNING')
+    assert status.values == {
+        'state': 'RUNNING',
+        'file': 'test.lua',
+        'line': 7,
+        'source': 'line(7)',
+        'error': '',
+    }
     assert not desk.reporter.due
 
 
@@ -92,7 +98,7 @@ def test_a_motion_is_reported_with_its_own_line_until_the_next(desk: Desk) -> No
     desk.reporter.motion_sent('5.0', 'part.lua', 3)
     expected = {'motion': '5.0', 'motion_file': 'part.lua', 'motion_line': 3}
     for _ in range(2):
-        values = desk.reports[-1][2]
+        values = desk.reports[-1][1].values
         assert values['line'] in (9, 10)
         assert expected.items() <= values.items()
         desk.go_to(10)
@@ -102,6 +108,8 @@ def test_why_a_program_was_held_or_not_opened_is_reported(desk: Desk) -> None:
     desk.reporter.open_error = 'test.lua:1: no Lua'
     desk.program.hold_reason = 'breakpoint'
     desk.reporter.report()
-    _, error, values = desk.reports[-1]
-    assert error == values['error'] == 'test.lua:1: no Lua'
+    _, status = desk.reports[-1]
+    values = status.values
+    assert status.level is Level.ERROR
+    assert status.text == values['error'] == 'test.lua:1: no Lua'
     assert (values['hold'], values['stack']) == ('breakpoint', '[]')

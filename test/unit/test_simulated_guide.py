@@ -50,7 +50,7 @@ def circle(time: float) -> Pose:
 
 def sensor(duration: float = 2.5) -> Messages:
     for k in range(int(duration * RATE)):
-        yield k / RATE, '/reference_pose', ros.pose_stamped(stamped(k), circle(k / RATE))
+        yield k / RATE, '/reference_pose', ros.BUILD.pose_stamped(stamped(k), circle(k / RATE))
 
 
 def twist(stamp: int, values: Iterable[float], frame: str = 'base') -> Any:
@@ -58,21 +58,23 @@ def twist(stamp: int, values: Iterable[float], frame: str = 'base') -> Any:
         ros.message('geometry_msgs/msg/Vector3', *map(float, part))
         for part in np.reshape(list(values), (2, 3))
     ]
-    return ros.message(TWIST, ros.header(stamp, frame), ros.message('geometry_msgs/msg/Twist', *numbers))
+    return ros.message(
+        TWIST, ros.BUILD.header(stamp, frame), ros.message('geometry_msgs/msg/Twist', *numbers)
+    )
 
 
 def no_pose() -> Any:
     point = ros.message('geometry_msgs/msg/Point', 1.0, 0.0, 1.0)
     quaternion = ros.message('geometry_msgs/msg/Quaternion', 0.0, 0.0, 0.0, 0.0)
     return ros.message(
-        POSE, ros.header(BAG_START, 'base'), ros.message('geometry_msgs/msg/Pose', point, quaternion)
+        POSE, ros.BUILD.header(BAG_START, 'base'), ros.message('geometry_msgs/msg/Pose', point, quaternion)
     )
 
 
 def jogs(velocity: list[float], duration: float = 1.0) -> Messages:
     names = ROBOT_MODEL.axes_data.names
     for k in range(int(duration * RATE)):
-        message = ros.joint_state(stamped(k), names[::-1], np.zeros(6), np.array(velocity[::-1]))
+        message = ros.BUILD.joint_state(stamped(k), names[::-1], np.zeros(6), np.array(velocity[::-1]))
         yield k / RATE, '/teach_joints', message
 
 
@@ -116,7 +118,9 @@ def test_the_tool_follows_the_sensor(tmp_path: Path, method: str):
 def test_a_jump_of_the_reference_is_followed_inside_the_limits(tmp_path: Path, method: str):
     r, T = ROBOT_MODEL.direct_kinematics(READY)
     jump = Pose.from_angles(r + np.array([0.05, 0.1, -0.05]), Pose(r, T).angles() + 0.1)
-    poses = ((k / RATE, '/reference_pose', ros.pose_stamped(stamped(k), jump)) for k in range(int(3 * RATE)))
+    poses = (
+        (k / RATE, '/reference_pose', ros.BUILD.pose_stamped(stamped(k), jump)) for k in range(int(3 * RATE))
+    )
     bag = write_bag(tmp_path / 'sensor', poses)
     run = run_text(tmp_path, f'{MOVE}followReference(4)', references=bag, guided=method)
     assert run.ok, run.error
@@ -233,8 +237,8 @@ def test_a_bag_has_what_guided_the_robot_and_guides_it_again(tmp_path: Path):
 
 
 def test_a_recorded_cell_guides_from_where_it_handed_its_robot_over(tmp_path: Path):
-    early = [(0.0, '/guide', ros.text('NONE')), *sensor(1.0)]
-    later = [(0.5, '/guide', ros.text('SENSOR'))]
+    early = [(0.0, '/guide', ros.BUILD.value('NONE')), *sensor(1.0)]
+    later = [(0.5, '/guide', ros.BUILD.value('SENSOR'))]
     bag = write_bag(tmp_path / 'cell', early + later)
     run = run_text(tmp_path, f'{MOVE}followReference(2)', references=bag)
     time, r = tool_path(run)
@@ -275,7 +279,7 @@ def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):
     ('messages', 'reason'),
     [
         (
-            [(0.0, '/other', ros.text('x'))],
+            [(0.0, '/other', ros.BUILD.value('x'))],
             'guides a robot: needed is one of reference_pose, .*; it holds /other',
         ),
         (
@@ -287,7 +291,7 @@ def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):
             'message 1 of /reference_pose: the quaternion has length 0',
         ),
         (
-            [(0.0, '/teach_joints', ros.joint_state(BAG_START, ['A1'], np.zeros(1), np.zeros(1)))],
+            [(0.0, '/teach_joints', ros.BUILD.joint_state(BAG_START, ['A1'], np.zeros(1), np.zeros(1)))],
             'message 1 of /teach_joints: .*needed is one of each of A1, A2',
         ),
     ],

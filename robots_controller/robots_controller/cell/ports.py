@@ -1,7 +1,7 @@
 """Ports of the cell: what a transport provides to it."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.joint_feedback import JointFeedback
@@ -9,6 +9,7 @@ from robots_controller.program.motions.motion_command import MotionCommand, Outp
 from robots_controller.program.program_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError, ProgramError, RobotsError
+from robots_core.status import Status
 from robots_planning.robot_command_state import RobotCommandState
 
 Configured = Callable[[PlanningError | None], None]
@@ -106,7 +107,7 @@ class ProgramObserver(Protocol):
     def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
         """A motion has ended: None, or why the robot is not at the target. '' for one that was not sent."""
 
-    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+    def status(self, state: RunState, status: Status) -> None:
         """State, place and motion of the program."""
 
     def outputs_changed(self, change: OutputChange) -> None:

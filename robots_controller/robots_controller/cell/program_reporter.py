@@ -1,19 +1,20 @@
 """ProgramReporter: reports where a program is, what it does and which motion was sent last."""
 
 import threading
-from collections.abc import Callable, Mapping
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Final
 
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.clock import Clock
 from robots_controller.program.run_state import RunState
+from robots_core.status import Level, Status
 
 # Lines of a loop that computes change thousands of times a second, faster than anyone reads; the few lines
 # between two waits are all reported.
 RATE: Final = 50.0  # Hz
 BURST: Final = 25.0
 
-Publish = Callable[[RunState, str, Mapping[str, Any]], None]
+Publish = Callable[[RunState, Status], None]
 
 
 class ProgramReporter:
@@ -24,7 +25,7 @@ class ProgramReporter:
     Args:
         program: The program.
         clock: Limits the rate.
-        publish: Takes the run state, the error ('' for none), and the place and motion by name.
+        publish: Takes the run state, and the status: the error, if any, and the place and motion by name.
     """
 
     def __init__(self, program: LuaProgram, clock: Clock, publish: Publish) -> None:
@@ -82,4 +83,6 @@ class ProgramReporter:
             }
             if program.hold_reason:
                 values |= {'hold': program.hold_reason, 'stack': program.call_stack}
-            self._publish(state, error, values | self._motion)
+            text = error or f'{program.file or "no program"}: {state}'
+            level = Level.ERROR if error else Level.OK
+            self._publish(state, Status('program', text, level, values | self._motion))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robots_core.errors import InvalidInputError
+from robots_core.status import Level, Status
 from robots_core.validation import Array, finite_vector
 
 Kind = Literal['digital', 'analog']
@@ -60,6 +61,23 @@ class Channel:
         if not (value in (0, 1) if self.kind == 'digital' else math.isfinite(value)):
             raise InvalidInputError(f'{self.kind} {self.direction} {self.index} is {value:g}; {valid}')
         return float(value)
+
+    @property
+    def title(self) -> str:
+        """For people: digital_input.1 (gripper)."""
+        return f'{self.name} ({self.label})' if self.label else self.name
+
+    def text(self, value: float) -> str:
+        """A value of it, for people."""
+        return str(bool(value)).lower() if self.kind == 'digital' else f'{value:g}'
+
+
+def forced_status(forced: Mapping[Channel, float]) -> Status:
+    """The forced inputs and their values, as they travel on `forced_inputs`."""
+    values = {channel.title: channel.text(value) for channel, value in forced.items()}
+    if not values:
+        return Status('forced inputs', 'no input is forced')
+    return Status('forced inputs', f'{len(values)} forced: {", ".join(values)}', Level.WARN, values)
 
 
 class IoImage:

@@ -10,12 +10,9 @@ from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.task import Future
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -31,21 +28,20 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
+from robots_core.base_frames import AT_BASE
 from robots_core.errors import RobotsError
-from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_from_message,
     number_in,
-    pose_from_message,
     stamp_id,
 )
 from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.qos import every_message
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.validation import Array, read_only
-from robots_planning.motion_kinds import MOTION_KINDS
+from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
+from robots_planning.nodes.command_target import target_of
 
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s
@@ -74,7 +70,7 @@ class CellMonitor(Node):
         self._listen(Log, '/rosout', _prints)
         self._listen(DiagnosticStatus, 'program_status', _program_status)
         for kind in MOTION_KINDS:
-            listen = partial(_command, kind.title)
+            listen = partial(_command, kind)
             self._listen(message_class(kind.message_type), kind.topic, listen)
         self._listen(JointTrajectory, 'joint_trajectory', _planned)
         self._listen(DiagnosticStatus, 'motion_result', lambda m: (motion_result_from_message(m),))
@@ -169,17 +165,13 @@ def _program_status(message: DiagnosticStatus) -> Iterable[Event]:
     )
 
 
-def _command(kind: str, message: JointState | PoseStamped | Path) -> Iterable[Event]:
-    match message:
-        case JointState():
-            target: Array | Pose = read_only(message.position)
-        case PoseStamped():
-            target = pose_from_message(message.pose)
-        case Path():
-            if not message.poses:  # planning_node refuses it and says why
-                return
-            target = pose_from_message(message.poses[-1].pose)
-    yield MotionCommanded(stamp_id(message.header.stamp), kind, target)
+def _command(kind: MotionKind, message: Any) -> Iterable[Event]:
+    target = target_of(kind, message, getattr(message, 'name', ()), AT_BASE)
+    if isinstance(target, tuple):
+        if not target:  # planning_node refuses it and says why
+            return
+        target = target[-1]
+    yield MotionCommanded(stamp_id(message.header.stamp), kind.title, target)
 
 
 def _planned(message: JointTrajectory) -> Iterable[Event]:

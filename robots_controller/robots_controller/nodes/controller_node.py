@@ -35,8 +35,8 @@ from robots_core.periodic.realtime import ask_for_realtime, processor_share, pro
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
+    BUILD,
     NANOSECONDS,
-    diagnostic_status,
     diagnostic_values,
     motion_result_message,
 )
@@ -48,6 +48,7 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.status import Status
 from robots_core.validation import Array, fraction
 from robots_core.wording.safety_note import NOT_CERTIFIED
 from robots_planning.motion_settings import settings_from_text
@@ -236,23 +237,14 @@ class ControllerNode(ManagedNode):
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
         self._drives_publisher.publish(Bool(data=state.drives_on))
-        self._publish_stop(state)
+        self._publish_stop(state.status)
         # Of a robot that stands, the drives are off at once; one that moves is stopped before.
         if state.fault not in (None, Fault.DEACTIVATED) and state.reason != self._stopped_by:
             self.journal.error(f'stopped: {state.reason}')
         self._stopped_by = state.reason
 
-    def _publish_stop(self, state: StopState, **values: str) -> None:
-        self._stop_publisher.publish(
-            diagnostic_status(
-                'stop',
-                state.reason or 'none',
-                level=DiagnosticStatus.ERROR if state.fault else DiagnosticStatus.OK,
-                hardware_id=self.robot_name,
-                **state.values,
-                **values,
-            )
-        )
+    def _publish_stop(self, status: Status) -> None:
+        self._stop_publisher.publish(BUILD.status(status, self.robot_name))
 
     def run_enabled(self, *, enabled: bool) -> None:
         """See `ControlPort`."""
@@ -354,7 +346,8 @@ class ControllerNode(ManagedNode):
         """Publish a stop that is not latched: motions that are still being planned are given up too."""
         if not self._controller.stops.latched:
             until = self.get_clock().now().nanoseconds / NANOSECONDS
-            self._publish_stop(StopState(reason=reason), until=f'{until:.9f}')
+            status = StopState(reason=reason).status
+            self._publish_stop(replace(status, values={**status.values, 'until': f'{until:.9f}'}))
 
     def _stop_before_collision(self) -> str:
         self._control.stop_before_collision()

@@ -14,12 +14,13 @@ from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.blocks.following.guide import Guide
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import diagnostic_status, twist_stamped_message, wrench_from_message
+from robots_core.ros.messages import BUILD, twist_stamped_message, wrench_from_message
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.status import Status
 from robots_core.validation import Array
 
 
@@ -59,10 +60,7 @@ class ForceControlNode(RobotNode):
         self._handed_over = message.data == Guide.SENSOR
 
     def _report(self, problem: str) -> None:
-        level = DiagnosticStatus.ERROR if problem else DiagnosticStatus.OK
-        self._status.publish(
-            diagnostic_status('contact', problem or 'none', level=level, hardware_id=self.robot_name)
-        )
+        self._status.publish(BUILD.status(Status.of_problem('contact', problem), self.robot_name))
         if problem:
             self.report_health(DiagnosticStatus.WARN, problem)
             self.journal.error(problem)

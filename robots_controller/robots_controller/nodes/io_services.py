@@ -9,13 +9,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.duration import Duration
-from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from std_srvs.srv import SetBool
 
-from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
+from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind, forced_status
 from robots_controller.nodes.ports.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 
@@ -64,13 +64,11 @@ class IoServices:
     ) -> None:
         self._image = image
         self._on_inputs = on_inputs
-        self._hardware = node.get_fully_qualified_name()
+        self._owner = node.get_fully_qualified_name()
         self._lock = threading.Lock()
         self._forced: dict[Channel, float] | None = None
         self._publishers = {
-            name: ImagePublisher(
-                node, name, name if name in OUTPUTS else f'~/{name}', _layout(name, image.size(name))
-            )
+            name: ImagePublisher(node, name, name if name in OUTPUTS else f'~/{name}', labelled=True)
             for name in IMAGES
         }
         self._forced_publisher = make_publisher(node, DiagnosticStatus, 'forced_inputs')
@@ -103,22 +101,12 @@ class IoServices:
                 self._publishers[name].publish(self._image.numbers(name))
             if (forced := self._image.forced()) != self._forced:
                 self._forced = forced
-                self._forced_publisher.publish(self._forced_status(forced))
+                self._forced_publisher.publish(BUILD.status(forced_status(forced), self._owner))
 
     def finish(self) -> None:
         """Wait until the outputs have arrived where they are needed, but not for long."""
         for name in OUTPUTS:
             self._publishers[name].publisher.wait_for_all_acked(FINISH_TIMEOUT)
-
-    def _forced_status(self, forced: dict[Channel, float]) -> DiagnosticStatus:
-        shown = {_shown_name(channel): _shown(channel, value) for channel, value in forced.items()}
-        return diagnostic_status(
-            'forced inputs',
-            f'{len(shown)} forced: {", ".join(shown)}' if shown else 'no input is forced',
-            level=DiagnosticStatus.WARN if shown else DiagnosticStatus.OK,
-            hardware_id=self._hardware,
-            **shown,
-        )
 
     # -- the executor's thread ------------------------------------------------------------------
 
@@ -171,9 +159,7 @@ class IoServices:
             return 'forced'
         self._image.set_value(channel, number)
         if (forced := self._image.forced().get(channel)) is not None:
-            return (
-                f'{channel.name} is forced to {_shown(channel, forced)}; the value shows once it is released'
-            )
+            return f'{channel.name} is forced to {channel.text(forced)}; the value shows once it is released'
         return ''
 
     def _set_digital(self, channel: Channel, on: bool) -> str:  # noqa: FBT001  # the value of a SetBool
@@ -211,7 +197,7 @@ class IoServices:
             text = f'{channel.label}: {text}'
         forced = self._image.forced().get(channel)
         if forced is not None:
-            text += f', forced to {_shown(channel, forced)}'
+            text += f', forced to {channel.text(forced)}'
         return ParameterDescriptor(
             name=f'{channel.name}.{FORCE}' if force else channel.name,
             type=_type(channel),
@@ -239,11 +225,6 @@ def _type(channel: Channel) -> int:
     return int(ParameterType.PARAMETER_BOOL if digital else ParameterType.PARAMETER_DOUBLE)
 
 
-def _layout(name: str, size: int) -> MultiArrayLayout:
-    label = f'{name.removesuffix("s")}.1..{size}'
-    return MultiArrayLayout(dim=[MultiArrayDimension(label=label, size=size, stride=size)])
-
-
 def _number(channel: Channel, value: ParameterValue) -> float:
     if value.type == ParameterType.PARAMETER_BOOL and channel.kind == 'digital':
         return float(value.bool_value)
@@ -253,11 +234,3 @@ def _number(channel: Channel, value: ParameterValue) -> float:
         return channel.checked(value.double_value)
     given = _TYPE_NAMES.get(value.type, 'an array')
     raise InvalidInputError(f'{channel.name} got {given}; valid is {_WANTED[channel.kind]}')
-
-
-def _shown(channel: Channel, value: float) -> str:
-    return str(bool(value)).lower() if channel.kind == 'digital' else f'{value:g}'
-
-
-def _shown_name(channel: Channel) -> str:
-    return f'{channel.name} ({channel.label})' if channel.label else channel.name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from importlib import import_module
@@ -41,13 +41,14 @@ from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.periodic.realtime import processor_share_in_silence
 from robots_core.ros.messages import (
-    diagnostic_status,
+    BUILD,
     motion_result_from_message,
 )
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
+from robots_core.status import Status
 from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -325,17 +326,9 @@ class LuaProgramNode(RobotNode):
     def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
         """See `ProgramObserver`; the result was published."""
 
-    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+    def status(self, _state: RunState, status: Status) -> None:
         """See `ProgramObserver`."""
-        self._status_publisher.publish(
-            diagnostic_status(
-                'program',
-                error or f'{self._program.file or "no program"}: {state}',
-                level=DiagnosticStatus.ERROR if error else DiagnosticStatus.OK,
-                hardware_id=self.robot_name,
-                **values,
-            )
-        )
+        self._status_publisher.publish(BUILD.status(status, self.robot_name))
 
     def outputs_changed(self, _change: OutputChange) -> None:
         """See `ProgramObserver`."""

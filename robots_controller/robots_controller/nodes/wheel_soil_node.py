@@ -9,12 +9,10 @@ from sensor_msgs.msg import JointState
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import joint_values
+from robots_core.ros.messages import joint_values, wrench_stamped_message
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-
-TOOL_FRAME: Final = 'tool0'
 
 
 class WheelSoilNode(RobotNode):
@@ -39,12 +37,8 @@ class WheelSoilNode(RobotNode):
     def _measure(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self._names, 'joint_states')
         self._contact.slip = self._outputs.value(self._setup.slip) or 0.0
-        values = self._contact.of_robot(self.robot, q).wrench.tolist()
-        wrench = WrenchStamped()
-        wrench.header.stamp, wrench.header.frame_id = message.header.stamp, TOOL_FRAME
-        f, m = wrench.wrench.force, wrench.wrench.torque
-        f.x, f.y, f.z, m.x, m.y, m.z = values
-        self._publisher.publish(wrench)
+        wrench = self._contact.of_robot(self.robot, q).wrench
+        self._publisher.publish(wrench_stamped_message(message.header.stamp, wrench))
 
 
 main: Final = partial(run, WheelSoilNode)

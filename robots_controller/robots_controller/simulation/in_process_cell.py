@@ -194,7 +194,9 @@ class InProcessCell:
             if self.contact is not None:
                 self.contact.measure(feedback)
             if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
-                self.log.collision_status(self._guard.look(feedback.position, feedback.velocity))
+                seen = self._guard.look(feedback.position, feedback.velocity)
+                self.log.value('min_distance', seen.distance)
+                self.log.report('collision_status', seen.status)
         self._deliver()
 
     def take_inputs(self, changes: Sequence[tuple[Channel, float]]) -> None:
@@ -404,7 +406,7 @@ class InProcessCell:
         """See `ControlPort`."""
         details = {**result.details, 'ended': f'{self.clock.now():.9f}'}
         result = replace(result, details=details)
-        self.log.result(result)
+        self.log.report('motion_result', result.status)
         self._mail.append(lambda: self._control_ended(result))
 
     def _control_ended(self, result: MotionResult) -> None:
@@ -428,7 +430,8 @@ class InProcessCell:
 
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
-        self.log.stop(state)
+        self.log.value('drives_on', state.drives_on)
+        self.log.report('stop_status', state.status)
         if state.fault is not None:
             self._mail.append(lambda: self._stopped(state.reason))
 

@@ -145,7 +145,7 @@ class InProcessPlanner:
 
     def answer(self, result: MotionResult) -> None:
         """See `MotionPlannerPort`."""
-        self._log.result(result)
+        self._log.report('motion_result', result.status)
         self._mail.append(lambda: self.on_result(result))
 
     def refused(self, topic: str, error: RobotsError) -> None:

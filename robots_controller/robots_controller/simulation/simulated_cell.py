@@ -77,7 +77,7 @@ class SimulatedCell:
         )
         carried = CarriedPayload(self._drives.load, parts.payload)
         bodies = self._drives.rendezvous
-        self._bodies = None if bodies is None else SimulatedRendezvous(bodies)
+        self._bodies = None if bodies is None else SimulatedRendezvous(bodies, parts.robot_name)
         self._cell = InProcessCell(
             parts,
             bag=self._bag,

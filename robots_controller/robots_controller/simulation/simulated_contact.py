@@ -21,6 +21,7 @@ from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.errors import PlanningError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.status import Status
 from robots_core.validation import Array
 
 TOPIC: Final = 'reference_twist'
@@ -89,7 +90,7 @@ class SimulatedContact:
     def _report(self, problem: str) -> None:
         if problem:
             self._control.trip(Fault.CONTACT, problem)
-        self._log.contact(problem)
+        self._log.report('contact_status', Status.of_problem('contact', problem))
 
 
 def contact_of_cell(

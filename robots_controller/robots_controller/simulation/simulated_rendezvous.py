@@ -3,16 +3,15 @@
 import math
 from collections import deque
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 
 from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.io.io_image import Channel
 from robots_controller.simulation.in_process_cell import InProcessCell
+from robots_controller.simulation.record.ros_messages import BUILD
 from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
+from robots_core.blocks.floating_base.rendezvous_messages import POSE, TWIST, TYPES, RendezvousMessages
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError
-
-POSE, TWIST = 'reference_pose', 'reference_twist'
 
 
 class SimulatedRendezvous:
@@ -20,18 +19,17 @@ class SimulatedRendezvous:
 
     Args:
         rendezvous: The bodies, stepped with the drives.
+        robot: The robot's name.
     """
 
-    types: Mapping[str, str] = MappingProxyType(
-        {POSE: 'geometry_msgs/msg/PoseStamped', TWIST: 'geometry_msgs/msg/TwistStamped'}
-    )
+    types: Mapping[str, str] = TYPES
     start: int | None = 0
 
-    def __init__(self, rendezvous: Rendezvous) -> None:
+    def __init__(self, rendezvous: Rendezvous, robot: str) -> None:
         self._rendezvous = rendezvous
+        self._messages = RendezvousMessages(rendezvous, BUILD, robot)
         self._measured: deque[GuidingMessage] = deque()
         self._set = self.inputs
-        self._report: str | None = None
 
     @property
     def next_time(self) -> float:
@@ -69,17 +67,12 @@ class SimulatedRendezvous:
         bodies, now = self._rendezvous, cell.clock.stamp
         reference = bodies.reference
         if reference is not None:
-            cell.log.reference(*reference)
             pose, twist = reference
             self._measured += [
                 GuidingMessage(POSE, now, now, b'', pose),
                 GuidingMessage(TWIST, now, now, b'', twist),
             ]
-        if bodies.report != self._report:
-            self._report = bodies.report
-            cell.log.grasp(bodies.report, refused=bodies.refused)
-        if bodies.shown:
-            cell.log.bodies(bodies)
+        cell.log.record(self._messages.after_step(now, reference))
 
     def changes(self) -> Iterator[tuple[Channel, float]]:
         """The inputs that have changed, with their values."""

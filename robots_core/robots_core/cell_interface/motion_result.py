@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robots_core.errors import MotionEndedError, RobotsError
+from robots_core.status import Level, Status
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,11 @@ class MotionResult:
         return cls(id_, ok=False, message=error.message, details=dict(error.details), code=error.code)
 
     @property
-    def values(self) -> dict[str, Any]:
-        """What a message of it has besides level and text."""
-        return {'id': self.id, **self.details, **({} if self.ok else {'code': self.code})}
+    def status(self) -> Status:
+        """As it travels on `motion_result`."""
+        level = Level.OK if self.ok else Level.WARN if self.blocked else Level.ERROR
+        values = {'id': self.id, **self.details, **({} if self.ok else {'code': self.code})}
+        return Status('motion', self.message, level, values)
 
     @property
     def error(self) -> RobotsError | None:

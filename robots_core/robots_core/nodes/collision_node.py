@@ -20,8 +20,8 @@ from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
 from robots_core.nodes.scenes.watched_scene import WatchedScene
 from robots_core.ros.messages import (
+    BUILD,
     NANOSECONDS,
-    diagnostic_status,
     joint_motion,
     motion_result_from_message,
 )
@@ -34,7 +34,6 @@ from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz
 SERVICE_PERIOD = 5.0  # s between reports that nothing can stop the robot
-LEVELS = {'ok': DiagnosticStatus.OK, 'warning': DiagnosticStatus.WARN, 'error': DiagnosticStatus.ERROR}
 
 
 class CollisionNode(RobotNode):
@@ -97,19 +96,11 @@ class CollisionNode(RobotNode):
     def _look(self, message: JointState) -> None:
         stopping = self.guard.stopping
         q, q_dot, _ = joint_motion(message, self._names)
-        status = self.guard.look(q, q_dot)
+        seen = self.guard.look(q, q_dot)
         if stopping and not self.guard.stopping:
             self._clear()
-        self._distance.publish(Float64(data=status.distance))
-        self._status.publish(
-            diagnostic_status(
-                'collision',
-                status.text,
-                level=LEVELS[status.level],
-                hardware_id=self.robot_name,
-                **status.values,
-            )
-        )
+        self._distance.publish(Float64(data=seen.distance))
+        self._status.publish(BUILD.status(seen.status, self.robot_name))
 
     def _clear(self) -> None:
         self.ready(objects=len(self.guard.detection.scene.objects))

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
 from rclpy.parameter import Parameter
@@ -14,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
+from robots_core.base_frames import BASE_FRAME
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
@@ -23,7 +23,13 @@ from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, joint_motion, matrix_message, seconds
+from robots_core.ros.messages import (
+    joint_motion,
+    joint_state_message,
+    matrix_message,
+    seconds,
+    wrench_stamped_message,
+)
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -137,17 +143,15 @@ class DynamicsNode(RobotNode):
         self, message: Any, q: Array, q_dot: Array, q_ddot: Array, measured: Array | None
     ) -> None:
         tau, M, tau_aux = self._dynamics.rigid_dynamics(q, q_dot, q_ddot)
-        for publisher, torques in ((self._motor_torques, tau), (self._bias_torques, tau_aux)):
-            state = JointState(name=self._names, effort=doubles(torques))
-            state.header.stamp = message.header.stamp
-            publisher.publish(state)
-        self._mass_matrix.publish(matrix_message(M, 'torque', 'acceleration'))
         stamp = message.header.stamp
+        for publisher, torques in ((self._motor_torques, tau), (self._bias_torques, tau_aux)):
+            publisher.publish(joint_state_message(stamp, self._names, tau=torques))
+        self._mass_matrix.publish(matrix_message(M, 'torque', 'acceleration'))
         pushed = -self._dynamics.base_wrench(q, q_dot, q_ddot)
-        self._base_wrench.publish(wrench_message(stamp, pushed))
+        self._base_wrench.publish(wrench_stamped_message(stamp, pushed, BASE_FRAME))
         if measured is not None:
             wrench = self._dynamics.external_wrench(q, q_dot, q_ddot, measured)
-            self._tool_wrench.publish(wrench_message(stamp, wrench))
+            self._tool_wrench.publish(wrench_stamped_message(stamp, wrench, BASE_FRAME))
         self._judge(tau if measured is None else measured)
 
     def _judge(self, tau: Array) -> None:
@@ -170,15 +174,6 @@ class DynamicsNode(RobotNode):
                 self._load(payload_of(parameter.value))
             elif parameter.name == 'base_orientation':
                 self._move_base(BaseMotion(_orientation(parameter.value)))
-
-
-def wrench_message(stamp: Time, wrench: Array) -> WrenchStamped:
-    """A geometry_msgs/WrenchStamped from force (N) and moment (N m), (6,)."""
-    message = WrenchStamped()
-    message.header.stamp, message.header.frame_id = stamp, 'base'
-    force, moment = message.wrench.force, message.wrench.torque
-    force.x, force.y, force.z, moment.x, moment.y, moment.z = wrench.tolist()
-    return message
 
 
 def _orientation(quaternion: Any) -> Array:

@@ -4,19 +4,19 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from builtin_interfaces.msg import Duration
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.cell_interface.driver_file import Driver, read_driver
+from robots_core.message_builder import NONE
 from robots_core.nodes.driver_action import DriverAction
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, doubles
+from robots_core.ros.messages import BUILD, NANOSECONDS
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
@@ -172,16 +172,12 @@ class HardwareNode(RobotNode):
 
     def _trajectory(self, q: Array, q_dot: Array) -> JointTrajectory:
         found = stopping_trajectory(q, q_dot, self._axes, self._driver.lead)
-        # No stamp: it starts when it is received, whatever the clocks are.
-        return JointTrajectory(
-            joint_names=self._names,
-            points=[
-                JointTrajectoryPoint(
-                    positions=doubles(position), velocities=doubles(velocity), time_from_start=_duration(time)
-                )
-                for time, position, velocity in zip(found.time, found.position, found.velocity, strict=True)
-            ],
+        points = (
+            (round(NANOSECONDS * time), position, velocity, NONE)
+            for time, position, velocity in zip(found.time, found.position, found.velocity, strict=True)
         )
+        # No stamp: it starts when it is received, whatever the clocks are.
+        return BUILD.joint_trajectory(0, self._names, points)
 
     def _report(self, problem: str) -> None:
         if problem == self._problem:
@@ -196,11 +192,6 @@ class HardwareNode(RobotNode):
 
 def _driver(path: str) -> Driver:
     return read_driver(path) if path else Driver()
-
-
-def _duration(time: float) -> Duration:
-    sec, nanosec = divmod(round(NANOSECONDS * time), NANOSECONDS)
-    return Duration(sec=sec, nanosec=nanosec)
 
 
 main: Final = partial(run, HardwareNode)

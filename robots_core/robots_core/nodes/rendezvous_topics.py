@@ -4,19 +4,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
 
-from robots_core.blocks.floating_base.rendezvous import CLOSE, WORLD_FRAME, Rendezvous
+from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
+from robots_core.blocks.floating_base.rendezvous_messages import TYPES, RendezvousMessages
 from robots_core.blocks.following.guide import Guide
-from robots_core.ros.messages import (
-    diagnostic_status,
-    doubles,
-    matrix_message,
-    pose_stamped_message,
-    twist_stamped_message,
-)
+from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -39,14 +33,11 @@ class RendezvousTopics:
         self._outputs = PolledSubscription(node, UInt8MultiArray, 'digital_outputs')
         self._digital = make_publisher(node, UInt8MultiArray, 'digital_inputs')
         self._analog = make_publisher(node, Float64MultiArray, 'analog_inputs')
-        self._references = make_publisher(node, PoseStamped, 'reference_pose')
-        self._twists = make_publisher(node, TwistStamped, 'reference_twist')
-        self._base = make_publisher(node, PoseStamped, 'base_pose')
-        self._target = make_publisher(node, PoseStamped, 'target_pose')
-        self._momentum = make_publisher(node, Float64MultiArray, 'momentum')
-        self._status = make_publisher(node, DiagnosticStatus, 'grasp_status')
+        self._messages = RendezvousMessages(rendezvous, BUILD, node.robot_name)
+        self._publishers = {
+            topic: make_publisher(node, message_class(kind), topic) for topic, kind in TYPES.items()
+        }
         self._set: tuple[Any, Any] = (None, None)
-        self._report: str | None = None
         self._publish_inputs()
 
     def before_step(self) -> None:
@@ -61,25 +52,16 @@ class RendezvousTopics:
     def after_step(self) -> None:
         """Publish, after the drives have moved."""
         bodies, stamp = self._rendezvous, self._node.get_clock().now().to_msg()
-        if (reference := bodies.reference) is not None:
-            self._references.publish(pose_stamped_message(stamp, reference[0]))
-            self._twists.publish(twist_stamped_message(stamp, reference[1]))
-        if bodies.report != self._report:
-            self._report = bodies.report
-            level = DiagnosticStatus.ERROR if bodies.refused else DiagnosticStatus.OK
-            name = self._node.robot.name
-            self._status.publish(diagnostic_status('grasp', bodies.report, level=level, hardware_id=name))
-            self._on_report(bodies.report, bodies.refused)
-        if bodies.shown:
-            self._base.publish(pose_stamped_message(stamp, bodies.base.pose, WORLD_FRAME))
-            self._target.publish(pose_stamped_message(stamp, bodies.target.pose, WORLD_FRAME))
-            self._momentum.publish(matrix_message(bodies.momentum, 'part', 'momentum'))
+        for topic, message in self._messages.after_step(stamp, bodies.reference):
+            self._publishers[topic].publish(message)
+            if topic == 'grasp_status':
+                self._on_report(bodies.report, bodies.refused)
         self._publish_inputs()
 
     def _publish_inputs(self) -> None:
         digital, analog = self._rendezvous.digital_inputs, self._rendezvous.measured
         if digital != self._set[0]:
-            self._digital.publish(UInt8MultiArray(data=bytes(digital)))
+            self._digital.publish(BUILD.image('digital_inputs', np.array(digital), labelled=False))
         if analog != self._set[1]:
-            self._analog.publish(Float64MultiArray(data=doubles(np.array(analog))))
+            self._analog.publish(BUILD.image('analog_inputs', np.array(analog), labelled=False))
         self._set = digital, analog

@@ -1,11 +1,13 @@
 """The class of a message type, by its name."""
 
+from functools import cache
 from importlib import import_module
 from typing import Any
 
 from robots_core.errors import InvalidInputError
 
 
+@cache
 def message_class(type_name: str) -> Any:
     """The class of a message type.
 

@@ -6,24 +6,24 @@ import array
 import math
 import struct
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Pose as PoseMessage
-from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
+from geometry_msgs.msg import TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
-from robots_core.base_frames import BASE_FRAME, frame_in_base
+from robots_core.base_frames import TOOL_FRAME, frame_in_base
 from robots_core.blocks.following.pose_reference import FASTEST
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
+from robots_core.message_builder import MessageBuilder
 from robots_core.pose import Pose
+from robots_core.ros.message_class import message_class
+from robots_core.status import Level, Status
 from robots_core.validation import Array, bounded_vector
-
-TOOL_FRAME: Final = 'tool0'
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
 ENCAPSULATION_SIZE: Final = 4
@@ -120,15 +120,22 @@ def joint_motion(
     return q, q_dot, tau
 
 
-def joint_state_message(
-    stamp: Time, names: Sequence[str], q: Array, q_dot: Array | None = None
-) -> JointState:
-    """A JointState with positions and, if given, velocities."""
-    message = JointState(name=list(names), position=doubles(q))
-    message.header.stamp = stamp
-    if q_dot is not None:
-        message.velocity = doubles(q_dot)
-    return message
+def ros_message(type_name: str, **fields: Any) -> Any:
+    """A message of rclpy's classes, see `MessageBuilder`."""
+    for name, value in fields.items():
+        if isinstance(value, np.ndarray):  # as the type that fields take without a loop
+            fields[name] = array.array('B', value.tobytes()) if value.dtype == np.uint8 else doubles(value)
+        elif name == 'level':
+            fields[name] = bytes([value])
+    return message_class(type_name)(**fields)
+
+
+BUILD: Final = MessageBuilder(ros_message)
+joint_state_message: Final = BUILD.joint_state
+pose_stamped_message: Final = BUILD.pose_stamped
+twist_stamped_message: Final = BUILD.twist_stamped
+wrench_stamped_message: Final = BUILD.wrench_stamped
+matrix_message: Final = BUILD.matrix
 
 
 def pose_from_message(message: PoseMessage) -> Pose:
@@ -145,11 +152,7 @@ def pose_from_message(message: PoseMessage) -> Pose:
 
 def pose_message(pose: Pose) -> PoseMessage:
     """A geometry_msgs/Pose from a Pose."""
-    message = PoseMessage()
-    message.position.x, message.position.y, message.position.z = map(float, pose.r)
-    o = message.orientation
-    o.x, o.y, o.z, o.w = map(float, pose.quaternion())
-    return message
+    return BUILD.pose(pose.r, pose.quaternion())
 
 
 def pose_in_base(frame: str, message: PoseMessage, base_link: Pose) -> Pose:
@@ -182,14 +185,6 @@ def twist_in_base(message: TwistStamped, base_link: Pose) -> Array:
     return np.ravel(twist.reshape(2, 3) @ turn.T)
 
 
-def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = BASE_FRAME) -> PoseStamped:
-    """A geometry_msgs/PoseStamped from a Pose."""
-    message = PoseStamped(pose=pose_message(pose))
-    message.header.stamp = stamp
-    message.header.frame_id = frame_id
-    return message
-
-
 def wrench_from_message(message: WrenchStamped) -> Array:
     """The wrench on the tool, (6,) N and N m, of a geometry_msgs/WrenchStamped in tool0.
 
@@ -202,37 +197,11 @@ def wrench_from_message(message: WrenchStamped) -> Array:
     return np.array([f.x, f.y, f.z, m.x, m.y, m.z])
 
 
-def twist_stamped_message(stamp: Time, twist: Array) -> TwistStamped:
-    """A geometry_msgs/TwistStamped in the base frame from m/s and rad/s, (6,)."""
-    message = TwistStamped()
-    message.header.stamp, message.header.frame_id = stamp, BASE_FRAME
-    v, w = message.twist.linear, message.twist.angular
-    v.x, v.y, v.z, w.x, w.y, w.z = twist.tolist()
-    return message
-
-
-def matrix_message(values: Array, *labels: str) -> Float64MultiArray:
-    """A matrix row by row, its dimensions labelled."""
-    rows, columns = values.shape
-    message = Float64MultiArray(data=doubles(values))
-    message.layout.dim = [
-        MultiArrayDimension(label=labels[0], size=rows, stride=rows * columns),
-        MultiArrayDimension(label=labels[1], size=columns, stride=columns),
-    ]
-    return message
-
-
 def diagnostic_status(
     name: str, message: str, *, level: bytes = DiagnosticStatus.OK, hardware_id: str = '', **values: object
 ) -> DiagnosticStatus:
     """A DiagnosticStatus with its key-value pairs."""
-    return DiagnosticStatus(
-        level=level,
-        name=name,
-        message=message,
-        hardware_id=hardware_id,
-        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
-    )
+    return BUILD.status(Status(name, message, Level(level[0]), values), hardware_id)
 
 
 def diagnostic_values(status: DiagnosticStatus) -> dict[str, str]:
@@ -258,10 +227,7 @@ def number_in(values: Mapping[str, str], key: str, default: float) -> float:
 
 def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
     """A result as it travels on `motion_result`; `robot` is the robot's name."""
-    level = DiagnosticStatus.OK if result.ok else DiagnosticStatus.ERROR
-    if result.blocked:
-        level = DiagnosticStatus.WARN
-    return diagnostic_status('motion', result.message, level=level, hardware_id=robot, **result.values)
+    return BUILD.status(result.status, robot)
 
 
 def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:

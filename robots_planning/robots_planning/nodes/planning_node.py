@@ -7,14 +7,11 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from rclpy.parameter import Parameter
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.base_frames import frame_in_base
 from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
@@ -24,10 +21,9 @@ from robots_core.pose import Pose
 from robots_core.ros.control_actions import action_type
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
+    BUILD,
     NANOSECONDS,
-    diagnostic_status,
     id_stamp,
-    joint_values,
     motion_result_from_message,
     motion_result_message,
     number_in,
@@ -40,9 +36,10 @@ from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
+from robots_core.status import Status
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
-from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
+from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import (
     DESCRIPTIONS,
     PENDANT,
@@ -55,6 +52,7 @@ from robots_planning.motion_settings import (
 )
 from robots_planning.nodes.command_admission import CommandAdmission
 from robots_planning.nodes.command_inbox import CommandInbox
+from robots_planning.nodes.command_target import target_of
 from robots_planning.nodes.controller_reference import ControllerReference
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
@@ -170,10 +168,8 @@ class PlanningNode(RobotNode):
         self.parameter(f'{prefix}{name}', value, text, bounds=bounds, read=checked(name))
 
     def _subscribe(self) -> None:
-        readers = {'joints': self._joints, 'pose': self._pose, 'poses': self._poses}
         for kind in MOTION_KINDS:
-            command = partial(self._on_command, kind, readers[kind.target])
-            message_type = message_class(kind.message_type)
+            command, message_type = partial(self._on_command, kind), message_class(kind.message_type)
             self._inbox.subscribed(self.create_subscription_with_sender(message_type, kind.topic, command))
         subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
         subscribe(self, PoseStamped, 'reference_pose', self._on_reference_pose)
@@ -192,25 +188,16 @@ class PlanningNode(RobotNode):
 
     # -- messages to the planner ---------------------------------------------------------------------
 
-    def _on_command(
-        self, kind: MotionKind, read: Callable[[Any], Target], message: Any, sender: Sender
-    ) -> None:
+    def _on_command(self, kind: MotionKind, message: Any, sender: Sender) -> None:
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
-        self._inbox.put(stamp, partial(self._command, kind, read, message, stamp_id(stamp), sender))
+        self._inbox.put(stamp, partial(self._command, kind, message, stamp_id(stamp), sender))
 
-    def _command(
-        self,
-        kind: MotionKind,
-        read: Callable[[Any], Target],
-        message: Any,
-        id_: str,
-        sender: Sender,
-    ) -> None:
+    def _command(self, kind: MotionKind, message: Any, id_: str, sender: Sender) -> None:
         try:
             commander = self.admission.check_sent(sender)
-            target = read(message)
+            target = target_of(kind, message, self._names, self.robot.base_link)
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
             return
@@ -226,15 +213,8 @@ class PlanningNode(RobotNode):
         """The others have missed this node, and have given up what they had commanded."""
         self.admission.held_up(silence)
 
-    def _joints(self, message: JointState) -> Target:
-        return joint_values(message.name, message.position, self._names, JOINT.topic)
-
     def _pose(self, message: PoseStamped) -> Pose:
         return pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
-
-    def _poses(self, message: Path) -> Target:
-        frame_in_base(message.header.frame_id, self.robot.base_link)  # which it must be in as a whole too
-        return tuple(self._pose(pose) for pose in message.poses)
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
         self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is
@@ -269,10 +249,8 @@ class PlanningNode(RobotNode):
     def _publish_settings(self) -> None:
         # A command follows the change that it is meant for: in a recording, the settings of a command are
         # those that were published last before it.
-        texts: dict[str, Any] = dict(settings_as_text(self._settings(), self._pendant))
-        self._settings_publisher.publish(
-            diagnostic_status('motion settings', '', hardware_id=self.robot_name, **texts)
-        )
+        status = Status('motion settings', values=settings_as_text(self._settings(), self._pendant))
+        self._settings_publisher.publish(BUILD.status(status, self.robot_name))
 
     def _release(self) -> None:
         self._patience.cancel()
@@ -321,9 +299,8 @@ class PlanningNode(RobotNode):
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
     ) -> None:
         """See `MotionPlannerPort`."""
-        values: dict[str, Any] = {'id': id_, **ends}
         self._plan_publisher.publish(
-            diagnostic_status('motion plan', '', hardware_id=self.robot_name, **values)
+            BUILD.status(Status('motion plan', values={'id': id_, **ends}), self.robot_name)
         )
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)

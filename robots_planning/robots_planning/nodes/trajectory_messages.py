@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from builtin_interfaces.msg import Time
 
 from robots_core.base_frames import BASE_FRAME
@@ -39,6 +38,4 @@ def trajectory_message(
         stamp: The command's id.
         join_time: Where the trajectory continues from another, s; see `trajectory_from_message`.
     """
-    times = np.round(trajectory.time * NANOSECONDS).astype(np.int64) + round(join_time * NANOSECONDS)
-    rows = np.array([trajectory.position, trajectory.velocity, trajectory.acceleration])
-    return serialize_points(names, stamp, BASE_FRAME, times, rows)
+    return serialize_points(names, stamp, BASE_FRAME, *trajectory.points_of_message(join_time))

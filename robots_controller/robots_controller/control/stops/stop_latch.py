@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_core.errors import NotNowError
+from robots_core.status import Level, Status
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,13 @@ class StopState:
     drives_on: bool = True
 
     @property
-    def values(self) -> dict[str, str]:
-        """For a status."""
-        values = {'drives': 'on' if self.drives_on else 'off'}
+    def status(self) -> Status:
+        """As it travels on `stop_status`; a stop that is not latched is no error."""
+        values: dict[str, object] = {'drives': 'on' if self.drives_on else 'off'}
         if self.fault is not None:
-            values |= {'fault': self.fault.label, 'category': str(self.fault.category.value)}
-        return values
+            values |= {'fault': self.fault.label, 'category': self.fault.category.value}
+        level = Level.OK if self.fault is None else Level.ERROR
+        return Status('stop', self.reason or 'none', level, values)
 
 
 class StopLatch:

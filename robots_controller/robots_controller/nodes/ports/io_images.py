@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from rclpy.node import Node
-from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel, image_sizes
 from robots_controller.io.unknown_inputs import unknown_label
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import Array, finite_vector
@@ -24,14 +24,12 @@ class ImagePublisher:
         node: Owner of the publisher.
         image: One of `IMAGES`.
         topic: The topic; that of the image by default.
-        layout: Of the messages.
+        labelled: The messages name the channels.
     """
 
-    def __init__(
-        self, node: Node, image: str, topic: str = '', layout: MultiArrayLayout | None = None
-    ) -> None:
-        self._message, self._layout = image_message(image), layout or MultiArrayLayout()
-        self.publisher: Any = make_publisher(node, self._message, topic or image)
+    def __init__(self, node: Node, image: str, topic: str = '', *, labelled: bool = False) -> None:
+        self._image, self._labelled = image, labelled
+        self.publisher: Any = make_publisher(node, image_message(image), topic or image)
         self._published: tuple[bytes, str] | None = None
 
     def publish(self, values: Array, label: str = '') -> None:
@@ -39,16 +37,11 @@ class ImagePublisher:
 
         Args:
             values: From the first channel on.
-            label: Of the message, in the place of that of the layout; another one is published too.
+            label: Of the message, in the place of the names of the channels; another one is published too.
         """
         if self._published != (values.tobytes(), label):
             self._published = values.tobytes(), label
-            digital, size = self._message is UInt8MultiArray, values.size
-            data = values.astype('u1').tobytes() if digital else doubles(values)
-            layout = self._layout
-            if label:
-                layout = MultiArrayLayout(dim=[MultiArrayDimension(label=label, size=size, stride=size)])
-            self.publisher.publish(self._message(layout=layout, data=data))
+            self.publisher.publish(BUILD.image(self._image, values, labelled=self._labelled, label=label))
 
     def repeat(self) -> None:
         """Publish the next values, whatever they are."""

@@ -21,7 +21,7 @@ from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, joint_values, seconds, twist_stamped_message
+from robots_core.ros.messages import joint_state_message, joint_values, seconds, twist_stamped_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -56,15 +56,13 @@ class PendantLink(ProgramLink):
 
     def jog_axes(self, velocity: Array) -> None:
         """See `PendantPort`."""
-        message = JointState(name=self._names, velocity=doubles(velocity))
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        self._joints.publish(message)
+        stamp = self._node.get_clock().now().to_msg()
+        self._joints.publish(joint_state_message(stamp, self._names, q_dot=velocity))
 
     def jog_tool(self, twist: Array, frame: JogFrame) -> None:
         """See `PendantPort`."""
-        message = twist_stamped_message(self._node.get_clock().now().to_msg(), np.asarray(twist))
-        message.header.frame_id = frame
-        self._twists.publish(message)
+        stamp = self._node.get_clock().now().to_msg()
+        self._twists.publish(twist_stamped_message(stamp, np.asarray(twist), frame))
 
     def hold_run(self, *, held: bool) -> None:
         """See `PendantPort`."""
@@ -101,8 +99,7 @@ class PendantLink(ProgramLink):
 
     def show_ghost(self, q: Array | None) -> None:
         """See `PendantPort`; without positions the ghost is gone."""
-        message = JointState() if q is None else JointState(name=self._names, position=doubles(q))
-        self._ghosts.publish(message)
+        self._ghosts.publish(JointState() if q is None else joint_state_message(0, self._names, q))
 
     def set_override(self, value: float) -> None:
         """See `PendantPort`."""

@@ -1,10 +1,11 @@
 """MotionCommand: one motion as a robot program commands it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
+from robots_core.message_builder import MessageBuilder
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_kinds import MotionKind
@@ -71,6 +72,21 @@ class MotionCommand:
             return self.path
         assert self.pose is not None
         return self.pose
+
+    def message(self, build: MessageBuilder, stamp: Any, joints: Sequence[str]) -> Any:
+        """The message of the command, see `MotionKind`.
+
+        Args:
+            build: Builds it.
+            stamp: Its id.
+            joints: The robot's.
+        """
+        if self.q is not None:
+            return build.joint_state(stamp, joints, self.q)
+        if self.path:
+            return build.path(stamp, self.path)
+        assert self.pose is not None
+        return build.pose_stamped(stamp, self.pose)
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from robots_controller.cell.guide_recording import GuidingMessage
-from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_controller.io.io_image import Channel, IoImage
+from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_controller.simulation.cost import Cost
@@ -26,27 +26,22 @@ from robots_controller.simulation.record.events import (
     TextPrinted,
 )
 from robots_controller.simulation.record.motion_records import MotionRecords
+from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
-from robots_core.blocks.collision.collision_guard import CollisionStatus
-from robots_core.blocks.floating_base.rendezvous import WORLD_FRAME, Rendezvous
+from robots_core.base_frames import BASE_FRAME
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
+from robots_core.status import Level, Status
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
-STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
-VALUE_TYPES: Final[Mapping[type, str]] = {
-    bool: 'std_msgs/msg/Bool',
-    float: 'std_msgs/msg/Float64',
-    str: 'std_msgs/msg/String',
-}
 
 
 class CellLog:
@@ -106,8 +101,8 @@ class CellLog:
         if self._bag is not None and labels:
             names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
             event = ros.string_parameters(self._clock.stamp, '/lua_program_node', names)
-            self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
-        self._status('forced_inputs', 'no input is forced', {}, owner='/lua_program_node')
+            self._write('/parameter_events', event)
+        self.report('forced_inputs', forced_status({}), owner='/lua_program_node')
         for image in ('digital_outputs', 'analog_outputs'):
             self.image(image)
         self.command_state(RobotCommandState.IDLE)
@@ -122,16 +117,16 @@ class CellLog:
 
     # -- the program ------------------------------------------------------------------------------
 
-    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+    def status(self, state: RunState, status: Status) -> None:
         """See `ProgramObserver`."""
         if state is RunState.STOPPED and self.given_up is not None:
             state, error = RunState.FAILED, str(self.given_up)
-            values = {**values, 'state': state.value, 'error': error}
+            values = {**status.values, 'state': state.value, 'error': error}
+            status = replace(status, text=error, level=Level.ERROR, values=values)
         if state is not self._state:
             self._state = state
             self._events.append(ProgramStateChanged(self._clock.elapsed, state.value))
-        words = error or f'{values["file"]}: {state}'
-        self._status('program_status', words, values, level=ros.ERROR if error else ros.OK)
+        self.report('program_status', status)
 
     def line_reached(self, line: int) -> None:
         """See `ProgramObserver`."""
@@ -143,8 +138,7 @@ class CellLog:
             text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
         self._events.append(TextPrinted(self._clock.elapsed, line, text))
         if self._bag is not None:
-            log = ros.log(self._clock.stamp, 'lua_program_node.print', text)
-            self._write('/rosout', 'rcl_interfaces/msg/Log', log)
+            self._write('/rosout', ros.log(self._clock.stamp, 'lua_program_node.print', text))
 
     def command_state(self, state: RobotCommandState) -> None:
         """See `ProgramObserver`."""
@@ -191,12 +185,9 @@ class CellLog:
         if self._bag is None:
             return
         assert self.io is not None
-        kind, values = image.split('_', maxsplit=1)[0], self.io.numbers(image)[:size]
         # The node names the channels of what it publishes; a PLC does not.
         own = bool(prefix) or image.endswith('outputs')
-        label = f'{image.removesuffix("s")}.1..{values.size}' if own else ''
-        type_name = f'std_msgs/msg/{"UInt8" if kind == "digital" else "Float64"}MultiArray'
-        self._write(prefix + image, type_name, ros.image(kind, label, values))
+        self._write(prefix + image, BUILD.image(image, self.io.numbers(image)[:size], labelled=own))
 
     # -- motions ----------------------------------------------------------------------------------
 
@@ -206,7 +197,7 @@ class CellLog:
             self._settings = settings
             # After the command before, and not after its own.
             self._latest = max(self._latest, self._last_command + 1)
-            self._status('motion_settings', '', settings_as_text(settings))
+            self.report('motion_settings', Status('motion settings', values=settings_as_text(settings)))
 
     def command(self, id_: str, command: MotionCommand, settings: MotionSettings) -> None:
         """A motion was commanded; its stamp is its id."""
@@ -215,36 +206,25 @@ class CellLog:
             return
         stamp = _nanoseconds(id_)
         self.settings(settings)
-        message: Any
-        if command.q is not None:
-            message = ros.joint_state(stamp, self._joints, command.q)
-        elif command.path:
-            message = ros.path(stamp, command.path)
-        else:
-            assert command.pose is not None
-            message = ros.pose_stamped(stamp, command.pose)
         # Commands of one instant have stamps of their own.
         self._last_command = stamp - START
-        self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
+        self._write(command.kind.topic, command.message(BUILD, stamp, self._joints), stamp - START)
 
     def planned(self, id_: str, ends: Mapping[str, float], motion: PlannedMotion, join_time: float) -> None:
         """A plan goes to the controller; see `MotionPlannerPort.send`."""
         self._motions.planned(ends, motion)
         if self._bag is not None:
-            self._status('motion_plan', '', {'id': id_, **ends})
-            message = ros.planned_trajectory(_nanoseconds(id_), self._joints, motion.trajectory, join_time)
-            self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
-
-    def result(self, result: MotionResult) -> None:
-        """A command has its result, or a stream of references has ended."""
-        level = ros.OK if result.ok else ros.WARN if result.blocked else ros.ERROR
-        self._status('motion_result', result.message, result.values, level=level)
+            self.report('motion_plan', Status('motion plan', values={'id': id_, **ends}))
+            times, rows = motion.trajectory.points_of_message(join_time)
+            points = zip(times.tolist(), *rows, strict=True)
+            message = BUILD.joint_trajectory(_nanoseconds(id_), self._joints, points, BASE_FRAME)
+            self._write('joint_trajectory', message)
 
     def guided(self, message: GuidingMessage, type_name: str) -> None:
         """A message that guides the robot has arrived."""
         if self._bag is not None:
             before = self._cost.switch('recording')
-            data = message.data or _serialized(message, type_name)
+            data = message.data or _serialized(message)
             self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, data)
             self._cost.switch(before)
 
@@ -253,8 +233,8 @@ class CellLog:
         if self._bag is not None:
             before = self._cost.switch('recording')
             row = (period, point.position, point.velocity, point.acceleration)
-            message = ros.joint_trajectory(sent, self._joints, [row])
-            self._bag.write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', sent - START, message)
+            message = BUILD.joint_trajectory(sent, self._joints, [row])
+            self._bag.write('joint_trajectory', sent - START, message)
             self._cost.switch(before)
         return ros.id_of(sent)
 
@@ -263,33 +243,6 @@ class CellLog:
         if self._bag is not None:
             self._bag.wrench(self._clock.nanoseconds, wrench)
 
-    def contact(self, problem: str) -> None:
-        """Force control has a problem, or '' for none any more."""
-        self._status('contact_status', problem or 'none', {}, level=ros.ERROR if problem else ros.OK)
-
-    # -- bodies in orbit --------------------------------------------------------------------------
-
-    def reference(self, pose: Pose, twist: Array) -> None:
-        """The camera of a robot in orbit has measured where the tool is to be, and its twist (6,)."""
-        if self._bag is not None:
-            stamp = self._clock.stamp
-            self._write('reference_pose', 'geometry_msgs/msg/PoseStamped', ros.pose_stamped(stamp, pose))
-            self._write('reference_twist', 'geometry_msgs/msg/TwistStamped', ros.twist_stamped(stamp, twist))
-
-    def bodies(self, bodies: Rendezvous) -> None:
-        """Where the bodies in orbit are, and their momentum."""
-        if self._bag is not None:
-            stamp = self._clock.stamp
-            for topic, pose in (('base_pose', bodies.base.pose), ('target_pose', bodies.target.pose)):
-                message = ros.pose_stamped(stamp, pose, WORLD_FRAME)
-                self._write(topic, 'geometry_msgs/msg/PoseStamped', message)
-            message = ros.matrix(bodies.momentum, 'part', 'momentum')
-            self._write('momentum', 'std_msgs/msg/Float64MultiArray', message)
-
-    def grasp(self, words: str, *, refused: bool) -> None:
-        """What became of a grasp in orbit."""
-        self._status('grasp_status', words, {}, level=ros.ERROR if refused else ros.OK)
-
     # -- the rest ---------------------------------------------------------------------------------
 
     def progress(self, progress: float) -> None:
@@ -297,49 +250,36 @@ class CellLog:
         if self._bag is not None:
             self._bag.progress(self._clock.nanoseconds, progress)
 
-    def stop(self, state: StopState) -> None:
-        """A fault holds the robot, or not any more."""
-        self.value('drives_on', state.drives_on)
-        level = ros.OK if state.fault is None else ros.ERROR
-        self._status('stop_status', state.reason or 'none', state.values, level=level)
-
-    def collision_status(self, seen: CollisionStatus) -> None:
-        """Write how close the robot is to something."""
-        level = {'ok': ros.OK, 'warning': ros.WARN, 'error': ros.ERROR}[seen.level]
-        self.value('min_distance', seen.distance)
-        self._status('collision_status', seen.text, seen.values, level=level)
-
     def value(self, topic: str, value: bool | float | str) -> None:  # noqa: FBT001
         """Write a state of the cell that is one value."""
         if self._bag is not None:
-            type_name = next(name for kind, name in VALUE_TYPES.items() if isinstance(value, kind))
-            self._write(topic, type_name, ros.message(type_name, value))
+            self._write(topic, BUILD.value(value))
 
-    def _status(
-        self, topic: str, words: str, values: Mapping[str, object], *, level: int = ros.OK, owner: str = ''
-    ) -> None:
-        """Write a DiagnosticStatus of the robot, or of another owner."""
+    def report(self, topic: str, status: Status, owner: str = '') -> None:
+        """Write a status of the robot, or of another owner."""
         if self._bag is not None:
-            name = topic.removesuffix('_status').removesuffix('_result').replace('_', ' ')
-            status = ros.diagnostic_status(name, words, owner or self._robot, level, values)
-            self._write(topic, STATUS_TYPE, status)
+            self._write(topic, BUILD.status(status, owner or self._robot))
 
-    def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int = 0) -> None:
+    def record(self, messages: Iterable[tuple[str, Any]]) -> None:
+        """Write messages, each with its topic."""
+        if self._bag is not None:
+            for topic, message in messages:
+                self._write(topic, message)
+
+    def _write(self, topic: str, message: Any, nanoseconds: int = 0) -> None:
         assert self._bag is not None
         before = self._cost.switch('recording')
         # Commands of one instant have stamps of their own: what follows them comes after them.
         self._latest = max(self._latest, self._clock.nanoseconds, nanoseconds)
-        self._bag.write(topic, type_name, self._latest, message)
+        self._bag.write(topic, self._latest, message)
         self._cost.switch(before)
 
 
-def _serialized(message: GuidingMessage, type_name: str) -> memoryview:
+def _serialized(message: GuidingMessage) -> memoryview:
     if isinstance(message.value, Pose):
-        made = ros.pose_stamped(message.valid, message.value)
-    else:
-        assert isinstance(message.value, np.ndarray)
-        made = ros.twist_stamped(message.valid, message.value)
-    return ros.typestore().serialize_cdr(made, type_name)
+        return ros.serialized(BUILD.pose_stamped(message.valid, message.value))
+    assert isinstance(message.value, np.ndarray)
+    return ros.serialized(BUILD.twist_stamped(message.valid, message.value))
 
 
 def _nanoseconds(id_: str) -> int:

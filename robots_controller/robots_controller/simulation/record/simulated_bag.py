@@ -15,9 +15,10 @@ from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.recording import Recording
+from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.simulation.simulated_clock import START
-from robots_core.base_frames import BASE_FRAME
 from robots_core.errors import BagError, RobotsError
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
@@ -63,20 +64,17 @@ class SimulatedBag:
             self._writer.open()
         except OSError as error:
             raise BagError(f'{path}: the bag cannot be made: {error.strerror}') from error
-        self.write('robot_description', 'std_msgs/msg/String', 0, ros.text(robot.description))
+        self.write('robot_description', 0, BUILD.value(robot.description))
 
-    def write(self, topic: str, type_name: str, nanoseconds: int, message: Any) -> None:
+    def write(self, topic: str, nanoseconds: int, message: Any) -> None:
         """Write a message, after the samples before it.
 
         Args:
             topic: Below the cell's namespace, or global.
-            type_name: package/msg/Name.
             nanoseconds: Since the start of the program.
             message: As `ros_messages` makes them.
         """
-        self.write_serialized(
-            topic, type_name, nanoseconds, ros.typestore().serialize_cdr(message, type_name)
-        )
+        self.write_serialized(topic, message.__msgtype__, nanoseconds, ros.serialized(message))
 
     def write_serialized(
         self, topic: str, type_name: str, nanoseconds: int, data: bytes | memoryview
@@ -167,25 +165,23 @@ class SimulatedBag:
 
     def _templates(self, period: float) -> dict[str, tuple[str, MessageRows]]:
         n = len(self._names)
-        store, rows = ros.typestore(), [marks(n, i) for i in range(3)]
-        reference = ros.joint_trajectory(0, self._names, [(round(1e9 * period), rows[0], rows[1], rows[2])])
+        rows, mark, wrench, pose = [marks(n, i) for i in range(3)], marks(1, 0), marks(6, 0), marks(7, 0)
         states = rows[: self._recording.state.shape[1]]
-        wrench = marks(6, 0)
-        mark = marks(1, 0)
-        number = ros.message('std_msgs/msg/Float64', float(mark[0]))
-        progress = MessageRows(store, 'std_msgs/msg/Float64', number, [mark], stamped=False)
-        pose = marks(7, 0)
-        point = ros.message('geometry_msgs/msg/Point', *pose[:3])
-        quaternion = ros.message('geometry_msgs/msg/Quaternion', *pose[3:])
-        body = ros.message('geometry_msgs/msg/Pose', point, quaternion)
-        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, BASE_FRAME), body)
-        templates: dict[str, tuple[str, Any, list[Array]]] = {
-            'joint_reference': ('trajectory_msgs/msg/JointTrajectory', reference, rows),
-            'joint_states': ('sensor_msgs/msg/JointState', ros.joint_state(0, self._names, *states), states),
-            'tcp_pose': ('geometry_msgs/msg/PoseStamped', tcp, [pose]),
-            'measured_wrench': ('geometry_msgs/msg/WrenchStamped', ros.wrench_stamped(0, wrench), [wrench]),
+        tcp = BUILD.pose_stamped(0, Pose.identity())
+        tcp.pose = BUILD.pose(pose[:3], pose[3:])
+        templates: dict[str, tuple[Any, list[Array]]] = {
+            'joint_reference': (BUILD.joint_trajectory(0, self._names, [(round(1e9 * period), *rows)]), rows),
+            'joint_states': (BUILD.joint_state(0, self._names, *states), states),
+            'tcp_pose': (tcp, [pose]),
+            'measured_wrench': (BUILD.wrench_stamped(0, wrench), [wrench]),
+            'motion_progress': (BUILD.value(float(mark[0])), [mark]),
         }
         return {
-            topic: (type_name, MessageRows(store, type_name, message, groups))
-            for topic, (type_name, message, groups) in templates.items()
-        } | {'motion_progress': ('std_msgs/msg/Float64', progress)}
+            topic: (
+                message.__msgtype__,
+                MessageRows(
+                    ros.typestore(), message.__msgtype__, message, groups, stamped=hasattr(message, 'header')
+                ),
+            )
+            for topic, (message, groups) in templates.items()
+        }

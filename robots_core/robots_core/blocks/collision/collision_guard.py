@@ -1,8 +1,8 @@
 """CollisionGuard: watches the robot and its path ahead, and has it stopped before it collides."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from robots_core.blocks.collision.results import PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError
+from robots_core.status import Level, Status
 from robots_core.validation import Array
 
-Level = Literal['ok', 'warning', 'error']
 # Less than what the planner keeps: a robot that lags behind its reference by a millimetre needs no stop.
 GUARD_MARGIN: Final = 0.002  # m
 LOOKAHEAD: Final = 1.0  # s
@@ -30,15 +30,12 @@ class CollisionStatus:
 
     Attributes:
         distance: m; 0 in contact, infinite if there is nothing to collide with.
-        level: 'error' below the margin, 'warning' if a place ahead on the path is, otherwise 'ok'.
-        text: One line.
-        values: The margin, the closest bodies and their nearest points, contacts, what is ahead.
+        status: An error below the margin, a warning if a place ahead on the path is; with the margin, the
+            closest bodies and their nearest points, contacts, what is ahead.
     """
 
     distance: float
-    level: Level
-    text: str
-    values: Mapping[str, object]
+    status: Status
 
 
 @dataclass
@@ -181,7 +178,7 @@ class CollisionGuard:
     def _status(self, q: Array, closest: Proximity | None) -> CollisionStatus:
         values: dict[str, object] = {'margin': self.margin}
         if closest is None:
-            return CollisionStatus(np.inf, 'ok', 'nothing to collide with', values)
+            return CollisionStatus(np.inf, Status('collision', 'nothing to collide with', values=values))
         values |= {
             'first': closest.first,
             'second': closest.second,
@@ -191,14 +188,14 @@ class CollisionGuard:
         }
         if closest.in_contact:
             values['contacts'] = '; '.join(' - '.join(pair) for pair in self.detection.contacts(q))
-        level: Level = 'error' if closest.distance < self.margin else 'ok'
+        level = Level.ERROR if closest.distance < self.margin else Level.OK
         text = closest.describe()
         danger = next((motion.danger for motion in self.motions.values() if motion.danger), None)
         if danger is not None:
             values['ahead'] = danger.describe()
-            if level == 'ok':
-                level, text = 'warning', f'ahead: {danger.describe()}'
-        return CollisionStatus(closest.distance, level, text, values)
+            if level is Level.OK:
+                level, text = Level.WARN, f'ahead: {danger.describe()}'
+        return CollisionStatus(closest.distance, Status('collision', text, level, values))
 
     def _times(self) -> list[tuple[_Motion, float]]:
         """All motions with their path times, s; those that wait for the first are at their start."""

@@ -13,6 +13,7 @@ from robots_core.blocks.floating_base.tumbling_body import TumblingBody
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.status import Level, Status
 from robots_core.validation import Array, read_only
 
 # The tool moves with the target when it is this close to the point that it follows.
@@ -78,6 +79,11 @@ class Rendezvous:
     def digital_inputs(self) -> tuple[bool, bool, bool]:
         """Grasped, refused, and at rest together with the target."""
         return self.grasped, self.refused, self.at_rest
+
+    @property
+    def status(self) -> Status:
+        """As it travels on `grasp_status`."""
+        return Status('grasp', self.report, Level.ERROR if self.refused else Level.OK)
 
     @property
     def shown(self) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robots_core.base_frames import AT_BASE, BASE_FRAME, BASE_FRAMES, frame_in_base
+from robots_core.base_frames import AT_BASE, BASE_FRAME, BASE_FRAMES, TOOL_FRAME, frame_in_base
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -16,7 +16,7 @@ from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mes
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
-from robots_core.ros.messages import TOOL_FRAME, pose_from_message, pose_message
+from robots_core.ros.messages import pose_from_message, pose_message
 from robots_core.validation import Array
 
 

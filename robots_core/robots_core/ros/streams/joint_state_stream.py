@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import joint_state_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.streams.serialized_rows import SerializedRows
 from robots_core.validation import Array
@@ -50,15 +50,7 @@ class JointStateStream:
 
     def _template(self) -> SerializedRows:
         names, fields = self._layout
-
-        def message(rows: Array) -> JointState:
-            position, velocity, *efforts = rows
-            return JointState(
-                name=names,
-                position=doubles(position),
-                velocity=doubles(velocity),
-                effort=doubles(efforts[0]) if efforts else [],
-            )
-
         end = EMPTY_SEQUENCE_SIZE if fields == 2 else 0  # positions and velocities
-        return SerializedRows(message, (fields, len(names)), end=end)
+        return SerializedRows(
+            lambda rows: joint_state_message(0, names, *rows), (fields, len(names)), end=end
+        )

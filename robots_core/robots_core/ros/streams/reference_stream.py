@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from typing import Final
 
 from rclpy.node import Node
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.ros.lockstep.counted_endpoints import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.streams.serialized_rows import SerializedRows
 from robots_core.validation import Array
@@ -50,11 +50,7 @@ class ReferenceStream:
         n = len(names)
 
         def message(rows: Array) -> JointTrajectory:
-            position, velocity, acceleration = map(doubles, rows)
-            point = JointTrajectoryPoint(positions=position, velocities=velocity, accelerations=acceleration)
-            point.time_from_start.sec = int(time_from_start)
-            point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
-            return JointTrajectory(joint_names=list(names), points=[point])
+            return BUILD.joint_trajectory(0, names, [(round(NANOSECONDS * time_from_start), *rows)])
 
         self._offset = _offset_to_time_of_day()
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)

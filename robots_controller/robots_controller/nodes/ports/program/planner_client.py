@@ -3,10 +3,9 @@
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from builtin_interfaces.msg import Time
-from nav_msgs.msg import Path
 
 from robots_controller.cell.ports import Configured
 from robots_controller.nodes.ports.program.planner_settings import PlannerSettings
@@ -14,7 +13,7 @@ from robots_controller.program.motions.modal_settings import PLANNING_NODE, with
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id
+from robots_core.ros.messages import BUILD, id_stamp, stamp_id
 from robots_core.ros.peers.presence import publishers_of, subscribers_of
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.timed_node import TimedNode
@@ -84,15 +83,7 @@ class PlannerClient(PlannerSettings):
 
     def command(self, id_: str, command: MotionCommand) -> None:
         """See `PlannerPort`."""
-        stamp = id_stamp(id_)
-        if command.q is not None:
-            message: Any = joint_state_message(stamp, self._joint_names, command.q)
-        elif command.path:
-            message = Path(poses=[pose_stamped_message(stamp, pose) for pose in command.path])
-            message.header = message.poses[0].header
-        else:
-            assert command.pose is not None
-            message = pose_stamped_message(stamp, command.pose)
+        message = command.message(BUILD, id_stamp(id_), self._joint_names)
         self._publishers[command.kind].publish(message)
 
     def followers(self) -> Mapping[bytes, str]:
