@@ -60,7 +60,6 @@ from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSeque
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.trajectory_generator import Target
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
 COLLISION_MARGIN = 0.005  # m

@@ -48,7 +48,7 @@ class PendantLink(ProgramLink):
         self._holds = make_publisher(node, Bool, 'hold_to_run')
         self._overrides = make_publisher(node, Float64, 'override')
         self._services.prepare(STOPS)
-        self._moves = PendantMoves(node, self._services)
+        self._move = PendantMoves(node, self._services).move
         self._ghosts = make_publisher(node, JointState, 'ghost')
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self._reference: Array | None = None
@@ -70,11 +70,11 @@ class PendantLink(ProgramLink):
 
     def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
         """See `PendantPort`."""
-        self._moves.begin(command, done)
+        self._move.begin(command, done)
 
     def end_move(self) -> None:
         """See `PendantPort`."""
-        self._moves.end()
+        self._move.end()
 
     def reference(self) -> Array | None:
         """See `PendantPort`."""

@@ -31,7 +31,6 @@ from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.base_frames import BASE_FRAME
 from robots_core.blocks.following.guide import Guide
-from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
