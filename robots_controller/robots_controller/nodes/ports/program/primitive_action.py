@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Final
@@ -12,10 +11,10 @@ from rclpy.action.client import ActionClient
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
+from robots_controller.cell.goal_watch import GoalWatch
 from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
-from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.cell_interface.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.control_actions import action_type
@@ -25,7 +24,6 @@ from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.nodes.primitive_messages import ACTION_TYPE, sequence_message
 
-ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal, and for joint_states while it runs
 LOOK_PERIOD: Final = 0.02  # s
 STOPPED: Final = 'the robot has stopped by itself'
 
@@ -55,9 +53,8 @@ class PrimitiveAction:
         self._client = ActionClient(node, self._action, self.name)
         self._number = 0  # of the newest goal
         self._handle: Any = None  # of the newest goal, while it runs
-        self._asked = math.inf  # s, since when the newest goal has no answer
         self._canceling = False
-        self._heard: tuple[JointFeedback | None, float] = None, math.inf  # the newest, and since when, s
+        self._watch = GoalWatch(self.name)
         self.motions = PrimitiveMotions(node.robot, self, self._measured)
         self.control = PrimitiveControl(self.motions)
         self._due = node.create_guard_condition(self.motions.step)
@@ -100,7 +97,8 @@ class PrimitiveAction:
     def send(self, primitives: Sequence[MotionPrimitive]) -> None:
         """See `PrimitiveDriver`."""
         self._number += 1
-        self._canceling, self._asked = False, self._node.now()
+        self._canceling = False
+        self._watch.sent(self._node.now())
         goal = self._action.Goal(trajectory=sequence_message(primitives, self._settings.frame))
         number = self._number
         self._client.send_goal_async(goal, partial(self._advanced, number)).add_done_callback(
@@ -121,18 +119,13 @@ class PrimitiveAction:
         except RobotsError as error:
             self._node.refuse('joint_states', error)
             return None
-        if newest is not self._heard[0]:
-            self._heard = newest, self._node.now()
+        self._watch.measured(newest, self._node.now())
         return None if newest is None else newest.position
 
     def _look(self) -> None:
         self.motions.look(self._node.now())
-        if self._asked < math.inf and self._node.now() - self._asked > ANSWER_PATIENCE:
-            self._fail(f'{self.name} has not answered for {ANSWER_PATIENCE:g} s')
-        elif self._handle is not None and not self.served:
-            self._fail(f'{self.name} is not served any more')
-        elif self._handle is not None and self._node.now() - self._heard[1] > ANSWER_PATIENCE:
-            self._fail(f'no joint_states for {ANSWER_PATIENCE:g} s while the robot moves')
+        if problem := self._watch.problem(self._node.now(), served=self.served):
+            self._fail(problem)
 
     def _answered(self, number: int, future: Future) -> None:
         handle = future.result()
@@ -140,7 +133,7 @@ class PrimitiveAction:
             if handle.accepted:
                 handle.cancel_goal_async()
             return
-        self._asked = math.inf
+        self._watch.answered(accepted=handle.accepted)
         if not handle.accepted:
             self._fail(f'{self.name} has refused the motion')
             return
@@ -157,6 +150,7 @@ class PrimitiveAction:
         if number != self._number or self._handle is None:
             return
         self._handle = None
+        self._watch.ended()
         response = future.result()
         result = response.result
         if response.status == GoalStatus.STATUS_SUCCEEDED and not result.error_code:
@@ -170,7 +164,8 @@ class PrimitiveAction:
     def _fail(self, reason: str) -> None:
         """Give up the goal; one that may still run is canceled."""
         self._number += 1
-        handle, self._handle, self._asked = self._handle, None, math.inf
+        handle, self._handle = self._handle, None
+        self._watch.ended()
         if handle is not None:
             handle.cancel_goal_async()
         self.motions.ended(reason)
