@@ -13,8 +13,9 @@ from robots_controller.cell.primitive_motions import PrimitiveControl, Primitive
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_controller.program.motions.planned_primitive import PrimitivePlanner
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import PlanningError
+from robots_core.errors import PlanningError, ProgramError
 from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
@@ -318,3 +319,11 @@ def test_a_robot_that_measures_nothing_is_not_moved() -> None:
     driver.motions.on_result = driver.results.append
     driver.motions.command('1', commanded(JOINT, HOME))
     assert 'no joint_states received' in driver.results[0].message
+
+
+def test_nothing_guides_a_robot_that_takes_whole_motions() -> None:
+    motions = PlayedDriver().motions
+    motions.check_guide(Guide.NONE)
+    for guide in (Guide.SENSOR, Guide.PERSON):
+        with pytest.raises(ProgramError, match='takes motion primitives, and cannot be guided'):
+            motions.check_guide(guide)

@@ -13,8 +13,9 @@ from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.motions.modal_settings import motion_settings
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.motions.planned_primitive import PlannedPrimitive, PrimitivePlanner
+from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import PlanningError, RobotsError
+from robots_core.errors import PlanningError, ProgramError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
@@ -126,6 +127,15 @@ class PrimitiveMotions:
         """See `PlannerPort`."""
         settings = self._settings
         self._ask(lambda: self._plan(id_, command, settings))
+
+    def check_guide(self, guide: Guide) -> None:
+        """Refuse a guide: the robot's own controller takes whole motions.
+
+        Raises:
+            ProgramError: a sensor or a person is to guide the robot.
+        """
+        if guide is not Guide.NONE:
+            raise ProgramError(f'{self.name} takes motion primitives, and cannot be guided')
 
     def followers(self) -> Mapping[bytes, str]:
         """See `PlannerPort`."""

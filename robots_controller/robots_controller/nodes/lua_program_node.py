@@ -14,6 +14,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
+from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_changed
 from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
@@ -183,8 +184,8 @@ class LuaProgramNode(RobotNode):
             PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
             subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
             controller.report_to(self.host, self._changed)
-            nodes = ['planning_node', 'controller_node']
-            self.watch = HeartbeatWatch(self, nodes, self._watchdog, self._on_watched)
+            changed = partial(watched_node_changed, self.host)
+            self.watch = HeartbeatWatch(self, WATCHED_NODES, self._watchdog, changed)
 
         readiness = partial(MotionReadiness, self, planner, controller)
         return MotionPorts(planner, controller, report, readiness)
@@ -198,7 +199,10 @@ class LuaProgramNode(RobotNode):
         def report() -> None:
             action.report_to(self.host)
 
-        return MotionPorts(action.motions, action.control, report, lambda _: action, action.cancel)
+        motions = action.motions
+        return MotionPorts(
+            motions, action.control, report, lambda _: action, action.cancel, motions.check_guide
+        )
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
@@ -290,12 +294,6 @@ class LuaProgramNode(RobotNode):
         self.host.motions.result(motion_result_from_message(message))
         self._changed()
 
-    def _on_watched(self, name: str, reason: str) -> None:
-        if name == 'planning_node':
-            self.host.motions.lose_planner(reason)
-        if reason and not self.host.lose_robot(reason) and name == 'controller_node':
-            self.host.make_outputs_safe()
-
     def held_up(self, silence: float) -> None:
         """The others have missed this node: its outputs have been made safe, and the robot was stopped."""
         if self._watchdog and silence * processor_share_in_silence() > self._watchdog:
@@ -309,9 +307,7 @@ class LuaProgramNode(RobotNode):
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
-        planner = self._ports.planner
-        if guide is not Guide.NONE and not isinstance(planner, PlannerClient):
-            raise ProgramError(f'{planner.name} takes motion primitives, and cannot be guided')
+        self._ports.check_guide(guide)
         self._guide_publisher.publish(String(data=guide.value))
 
     # -- what the program does, from any thread -------------------------------------------------------

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from robots_controller.cell.ports import ControllerPort, PlannerPort
 from robots_controller.nodes.autostart import Readiness
+from robots_core.blocks.following.guide import Guide
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,7 @@ class MotionPorts:
         report: Begins to report to the host.
         readiness: Makes what autostart waits for, of the names of nodes that are expected.
         end: Ends what moves the robot, when the node ends.
+        check_guide: Raises a RobotsError where nothing can guide the robot.
     """
 
     planner: PlannerPort
@@ -24,3 +26,4 @@ class MotionPorts:
     report: Callable[[], object]
     readiness: Callable[[Sequence[str]], Readiness]
     end: Callable[[], object] = lambda: None
+    check_guide: Callable[[Guide], object] = lambda _: None
