@@ -42,6 +42,7 @@ class Cell:
         self.refusals: list[str] = []
         self.told: list[bool] = []
         self.patience: list[float] = []
+        self.present = frozenset([b'first'])
         self.planner = MotionPlanner(planning, self)
 
     # -- port ---------------------------------------------------------------------------------------
@@ -51,6 +52,9 @@ class Cell:
 
     def reference(self) -> tuple[Array, Array] | None:
         return None if self.q is None else (self.q, self.q_dot)
+
+    def controllers(self) -> frozenset[bytes]:
+        return self.present
 
     def submit(self, work: Callable[[], None]) -> None:
         work()
@@ -285,9 +289,12 @@ def test_a_given_trajectory_is_sent_if_the_robot_stands(cell: Cell) -> None:
 
 def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
     cell.move('1', 0.2)
-    cell.planner.forget()
-    assert not cell.planner.moving
+    cell.present |= {b'another'}
+    cell.move('1', 0.2)  # which is known
+    assert cell.ids == ['1']
+    cell.present -= {b'first'}
     cell.move('2', 0.1)
+    assert not cell.planner.knows('1')
     np.testing.assert_array_equal(cell.trajectory(1).position[0], START)
 
 

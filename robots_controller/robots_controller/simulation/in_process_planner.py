@@ -121,6 +121,10 @@ class InProcessPlanner:
         reference = self._control.controller.reference
         return None if reference is None else (np.array(reference[0]), reference[1])
 
+    def controllers(self) -> frozenset[bytes]:
+        """See `MotionPlannerPort`: always the same one."""
+        return frozenset()
+
     def submit(self, work: Callable[[], None]) -> None:
         """Now: see `MotionPlannerPort`."""
         work()

@@ -42,6 +42,9 @@ class MotionPlannerPort(Protocol):
             RobotsError: the reference is not valid.
         """
 
+    def controllers(self) -> frozenset[bytes]:
+        """Identities of the controllers that there are; one that was restarted has another."""
+
     def submit(self, work: Callable[[], None]) -> None:
         """Do work that takes long: now, or in the planner's thread, one after the other."""
 
@@ -104,6 +107,7 @@ class MotionPlanner:
         self._unplanned: deque[CommandChain] = deque()  # on their way to the thread that plans, or there
         self._planning_time = 0.0  # s, that the last plan took
         self._progress = (0.0, 0.0)  # of the running motion, and when it was reported
+        self._controllers: frozenset[bytes] = frozenset()  # when the last motion was sent
 
     @property
     def moving(self) -> bool:
@@ -133,6 +137,8 @@ class MotionPlanner:
         Returns:
             False for a command that came before; it is ignored.
         """
+        if self.moving and not self._controllers <= self._port.controllers():
+            self._queue.forget()  # the controller is gone, and its motions with it
         if self.knows(id_):
             return False
         if not self._queue.chains(settings):
@@ -283,10 +289,6 @@ class MotionPlanner:
         self._queue.give_up(reason, self._port.time() if until is None else until)
         self.release()
 
-    def forget(self) -> None:
-        """The controller is gone, and its motions with it."""
-        self._queue.forget()
-
     def standing(self) -> Array:
         """Where the controller's reference stands, (n,).
 
@@ -336,6 +338,7 @@ class MotionPlanner:
             self._progress = (0.0, self._port.time())
         self._port.finished(done=False)
         self._port.send(id_, motion, ends, title=title, join_time=join_time)
+        self._controllers = self._port.controllers()
 
     def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
         self._queue.refused(command.id)

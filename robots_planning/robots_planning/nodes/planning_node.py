@@ -107,7 +107,6 @@ class PlanningNode(RobotNode):
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
-        self._controllers: set[bytes] = set()  # publishers of references when the last motion was sent
 
         self._reference = ControllerReference(self)
         self._trajectory_publisher = make_publisher(self, JointTrajectory, 'joint_trajectory')
@@ -200,8 +199,6 @@ class PlanningNode(RobotNode):
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
             return
-        if self.planner.moving and not self._controllers <= self._reference_publishers():
-            self.planner.forget()
         settings = self.planner.settings
         if commander is Commander.PENDANT:
             settings = of_pendant(settings, self._pendant)
@@ -282,6 +279,10 @@ class PlanningNode(RobotNode):
         """See `MotionPlannerPort`."""
         return self._reference.newest()
 
+    def controllers(self) -> frozenset[bytes]:
+        """See `MotionPlannerPort`: the publishers of references."""
+        return frozenset(publishers_of(self, 'joint_reference'))
+
     def submit(self, work: Callable[[], None]) -> None:
         """See `MotionPlannerPort`; in simulated time at once, as it takes none of it."""
         if self.simulated_time:
@@ -304,7 +305,6 @@ class PlanningNode(RobotNode):
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )
-        self._controllers = self._reference_publishers()  # takes longer than a message
         limit = motion.report.limiting
         self.journal.info(
             f'{title} planned: {motion.duration:.3f} s, '
@@ -340,10 +340,6 @@ class PlanningNode(RobotNode):
             if self.reference() is not None:
                 self.destroy_timer(self._look)
                 self.ready()
-
-    def _reference_publishers(self) -> set[bytes]:
-        # By identity: a controller that was restarted has none of the motions.
-        return {*publishers_of(self, 'joint_reference')}
 
     def destroy_node(self) -> None:
         """End the planning thread before what it uses."""
