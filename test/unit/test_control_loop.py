@@ -14,6 +14,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import NotNowError, RobotsError
 
 from .two_axes import quintic, two_axes
@@ -294,3 +295,37 @@ def test_a_release_is_refused_while_the_robot_moves_or_another_cause_is_there(ri
     rig.run(5)
     with pytest.raises(NotNowError, match='cannot reset: pressed'):
         rig.loop.release(Fault.DEACTIVATED)
+
+
+@pytest.mark.parametrize(
+    ('fault', 'stays'), [(Fault.COLLISION_GUARD_LOST, True), (Fault.CONTROLLER_LOST, False)]
+)
+def test_a_lost_node_stops_the_robot_and_some_must_be_back_before_a_reset(
+    rig: Rig, fault: Fault, *, stays: bool
+) -> None:
+    rig.loop.node_changed(fault, 'silent')
+    rig.run(5)
+    assert rig.stops[-1].fault is fault
+    if stays:
+        with pytest.raises(NotNowError, match='cannot reset: silent'):
+            rig.loop.reset()
+    rig.loop.node_changed(fault, '')
+    rig.run(1)
+    rig.loop.reset()
+    rig.run(1)
+    assert rig.stops[-1].fault is None
+
+
+@pytest.mark.parametrize('commander', [Commander.PENDANT, Commander.PROGRAM])
+def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(rig: Rig, commander: Commander) -> None:
+    authority = rig.loop.controller.speed.authority
+    authority.commander = commander
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.run(50)
+    assert not rig.loop.lose_commander(Commander.REMOTE, 'silent')
+    assert authority.commander is commander
+    assert rig.loop.lose_commander(commander, 'silent')
+    assert authority.commander is Commander.NOBODY
+    result = rig.run_until_result()
+    assert result.ok is (commander is Commander.PROGRAM)
+    assert result.message == ('reached' if result.ok else 'silent')

@@ -13,12 +13,13 @@ from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.span import Span
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
-from robots_controller.control.stops.faults import Fault
+from robots_controller.control.stops.faults import PERSISTENT, Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zones.shared_zone import ZoneState
 from robots_controller.control.zones.zone_border import Border
 from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -182,6 +183,23 @@ class ControlLoop:
             self.trip(fault, reason, stands=True)
         else:
             self._mailbox.append(lambda _: self.controller.stops.clear(fault))
+
+    def node_changed(self, fault: Fault, reason: str) -> None:
+        """A node is lost, whose loss is this fault, or is back: ''."""
+        if fault in PERSISTENT:
+            self.watch(fault, reason)
+        elif reason:
+            self.trip(fault, reason)
+
+    def lose_commander(self, commander: Commander, reason: str) -> bool:
+        """A commander is gone; returns whether it had the robot, which is free then.
+
+        A robot that a pendant had stops on its path. That of a program is stopped by the fault of a lost node.
+        """
+        had = self.controller.speed.authority.lose(commander)
+        if had and commander is Commander.PENDANT:
+            self.stop(reason)
+        return had
 
     def wait_for(self, awaited: str) -> None:
         """Let no motion start without this, see `Controller.awaited`; '' if nothing is missing."""

@@ -143,3 +143,5 @@ LOST_NODES: Final = {
     'collision_node': Fault.COLLISION_GUARD_LOST,
 }
 """The fault that the loss of a node is."""
+PERSISTENT: Final = (Fault.COLLISION_GUARD_LOST, Fault.EMERGENCY_INPUTS_LOST)
+"""Without these nodes the robot would move unguarded: no reset before they are back."""

@@ -80,15 +80,11 @@ class CommanderServices:
         """Motions of programs may continue, or wait."""
         self._enabled_publisher.publish(Bool(data=enabled))
 
-    def lose(self, commander: Commander, reason: str) -> bool:
-        """A commander is gone: if it has the robot, the robot becomes free; returns whether it had."""
-        had = self._authority.commander is commander
-        if had:
+    def lose(self, commander: Commander, reason: str) -> None:
+        """A commander is gone, see `ControlLoop.lose_commander`."""
+        if self._control.lose_commander(commander, reason):
             self._on_lost(reason)
-        if had or self._authority.commander is Commander.NOBODY:
-            self._authority.give_back(commander)
-            self._publish()
-        return had
+        self._publish()
 
     def _take(self, commander: Commander, taken: bool) -> str:  # noqa: FBT001  # the value of a SetBool
         try:
@@ -109,8 +105,8 @@ class CommanderServices:
         return f'{commander} commands the robot'
 
     def _on_pendant(self, _name: str, lost: str) -> None:
-        if lost and self.lose(Commander.PENDANT, lost):
-            self._control.stop(lost)
+        if lost:
+            self.lose(Commander.PENDANT, lost)
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)

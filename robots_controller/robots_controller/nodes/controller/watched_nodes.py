@@ -22,8 +22,6 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.wording.safety_note import NOT_CERTIFIED
 
 NODE_NAME: Final = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
-PERSISTENT: Final = (Fault.COLLISION_GUARD_LOST, Fault.EMERGENCY_INPUTS_LOST)
-"""Without these nodes the robot would move unguarded: no reset before they are back."""
 NO_IMAGE: Final = 'digital_inputs, in which the emergency stop is, has not been published yet'
 
 
@@ -94,11 +92,7 @@ class WatchedNodes:
             self._wait()
 
     def _on_change(self, name: str, reason: str) -> None:
-        fault = self._faults[name]
-        if fault in PERSISTENT:
-            self._control.watch(fault, reason)
-        elif reason:
-            self._control.trip(fault, reason)
+        self._control.node_changed(self._faults[name], reason)
         if reason and name == 'lua_program_node':
             self._program_lost(reason)
 
