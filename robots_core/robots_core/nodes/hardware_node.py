@@ -10,6 +10,7 @@ from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
+from robots_core.blocks.drives.driver_stop import DriverStop
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.message_builder import NONE
@@ -25,8 +26,6 @@ from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_reader import ReferenceReader
 from robots_core.validation import Array
-
-FAILURE_SHOWN: Final = 1.0  # s, at least, that the robot is reported to have stopped
 
 
 class HardwareNode(RobotNode):
@@ -60,7 +59,7 @@ class HardwareNode(RobotNode):
         names = self._axes.names
         self._drives: DriverDrives | None = None
         self._supervised: SupervisedDrives | None = None
-        self._on = self._follows = True
+        self._on, self._stop = True, DriverStop()
         self._problem: str | None = None
         self._joint_states = JointStateReader(names)
         self._reader = ReferenceReader(names, 'joint_reference')
@@ -70,7 +69,6 @@ class HardwareNode(RobotNode):
         own = self.resolve_topic_name('joint_states')
         self._passed_on = None if own == self._driver.joint_states else make_publisher(self, JointState, own)
         self._names = list(names)
-        self._failure, self._failed_at = '', -np.inf
         self._action: DriverAction | None = None
         if self._driver.action is None:
             self._publisher = self.create_publisher(JointTrajectory, self._driver.trajectory, STREAM)
@@ -93,18 +91,16 @@ class HardwareNode(RobotNode):
             subscribe_any(self, Float64, driver.speed_scaling, self._on_scaling, STREAM)
 
     def _on_running(self, message: Bool) -> None:
-        self._follows = message.data
+        self._stop.follows = message.data
         self._publish_running()
 
     def _fail(self, reason: str) -> None:
         """The driver does not follow the goals of the action."""
-        self._failed_at = self.now()
-        if reason != self._failure:
-            self._failure = reason
+        if self._stop.fail(reason, self.now()):
             self._publish_running()
 
     def _publish_running(self) -> None:
-        self._running_publisher.publish(Bool(data=self._follows and not self._failure))
+        self._running_publisher.publish(Bool(data=not self._stop.reason))
 
     def _on_scaling(self, message: Float64) -> None:
         scaling = float(np.clip(message.data / self._driver.full_speed, 0.0, 1.0))
@@ -125,10 +121,9 @@ class HardwareNode(RobotNode):
         if supervised is None or drives is None:
             self._report(f'waiting for {self._driver.joint_states}')
             return
-        if self._failure and supervised.braked and now - self._failed_at > FAILURE_SHOWN:
-            self._failure = ''
+        if self._stop.recover(now, braked=supervised.braked):
             self._publish_running()
-        supervised.power(on=self._on and self._follows and not self._failure)
+        supervised.power(on=self._on and not self._stop.reason)
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
         if raw is not None:
             with self.refusing('joint_reference'):
@@ -136,11 +131,10 @@ class HardwareNode(RobotNode):
                 reference = self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
         supervised.step(now, *reference, sender_period=self._reader.lead)
         self._send(drives.command)
-        stopped = self._failure or ('' if self._follows else 'the robot has stopped by itself')
-        self._report(stopped or self._unserved or supervised.problem)
+        self._report(self._stop.reason or self._unserved or supervised.problem)
 
     def _send(self, command: tuple[Array, Array] | None) -> None:
-        action, failed = self._action, bool(self._failure)
+        action, failed = self._action, bool(self._stop.failure)
         if action is not None:
             action.put(None if command is None or failed else self._trajectory(*command))
         elif command is not None:
