@@ -13,6 +13,8 @@ from robots_core.status import Status
 from robots_core.validation import Array
 
 NANOSECONDS: Final = 1_000_000_000
+Point = tuple[int, Array, Array, Array]
+"""Of a trajectory: time (ns), position, velocity, acceleration."""
 NONE: Final = np.zeros(0)
 VALUE_TYPES: Final = (
     (bool, 'std_msgs/msg/Bool'),
@@ -64,12 +66,7 @@ class MessageBuilder:
         )
 
     def joint_state(
-        self,
-        stamp: Any,
-        names: Sequence[str],
-        q: Array = NONE,
-        q_dot: Array = NONE,
-        tau: Array = NONE,
+        self, stamp: Any, names: Sequence[str], q: Array = NONE, q_dot: Array = NONE, tau: Array = NONE
     ) -> Any:
         """sensor_msgs/JointState."""
         return self.make(
@@ -82,31 +79,23 @@ class MessageBuilder:
         )
 
     def joint_trajectory(
-        self,
-        stamp: Any,
-        names: Sequence[str],
-        points: Iterable[tuple[int, Array, Array, Array]],
-        frame_id: str = '',
+        self, stamp: Any, names: Sequence[str], points: Iterable[Point], frame_id: str = ''
     ) -> Any:
-        """trajectory_msgs/JointTrajectory of points: time (ns), position, velocity, acceleration."""
-        rows = []
-        for at, q, q_dot, q_ddot in points:
-            sec, nanosec = divmod(at, NANOSECONDS)
-            rows.append(
-                self.make(
-                    'trajectory_msgs/msg/JointTrajectoryPoint',
-                    positions=q,
-                    velocities=q_dot,
-                    accelerations=q_ddot,
-                    effort=NONE,
-                    time_from_start=self.make('builtin_interfaces/msg/Duration', sec=sec, nanosec=nanosec),
-                )
-            )
+        """trajectory_msgs/JointTrajectory."""
+        header = self.header(stamp, frame_id)
+        rows = [self._point(*point) for point in points]
+        kind = 'trajectory_msgs/msg/JointTrajectory'
+        return self.make(kind, header=header, joint_names=list(names), points=rows)
+
+    def _point(self, at: int, q: Array, q_dot: Array, q_ddot: Array) -> Any:
+        sec, nanosec = divmod(at, NANOSECONDS)
         return self.make(
-            'trajectory_msgs/msg/JointTrajectory',
-            header=self.header(stamp, frame_id),
-            joint_names=list(names),
-            points=rows,
+            'trajectory_msgs/msg/JointTrajectoryPoint',
+            positions=q,
+            velocities=q_dot,
+            accelerations=q_ddot,
+            effort=NONE,
+            time_from_start=self.make('builtin_interfaces/msg/Duration', sec=sec, nanosec=nanosec),
         )
 
     def pose(self, r: Iterable[float], quaternion: Iterable[float]) -> Any:

@@ -13,15 +13,16 @@ from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
+from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.testing import assert_bag_matches
 from robots_core import Pose, load_robot_model
 from robots_core.ros.lockstep.phases import START
 from robots_planning.motion_kinds import KIND_OF_TOPIC
-from written_bags import BAG_TYPES, write_bag
+from written_bags import write_bag
 
 from .node_process import node_process
 
-T = BAG_TYPES.types
+SECOND = 1_000_000_000  # ns
 ROBOT = load_robot_model('ur10e')
 BEGIN = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
 COMMANDS = tuple(f'/{topic}' for topic in KIND_OF_TOPIC)
@@ -37,32 +38,21 @@ topics:
 """
 
 
-def header(stamp: int) -> Any:
-    return T['std_msgs/msg/Header'](T['builtin_interfaces/msg/Time'](stamp, 0), 'base')
-
-
 def pose_stamped(stamp: int, pose: Pose) -> Any:
-    position, orientation = T['geometry_msgs/msg/Point'], T['geometry_msgs/msg/Quaternion']
-    message = T['geometry_msgs/msg/Pose'](
-        position(*map(float, pose.r)), orientation(*map(float, pose.quaternion()))
-    )
-    return T['geometry_msgs/msg/PoseStamped'](header(stamp), message)
+    return BUILD.pose_stamped(SECOND * stamp, pose)
 
 
 def path(stamp: int, poses: list[Pose]) -> Any:
-    return T['nav_msgs/msg/Path'](header(stamp), [pose_stamped(stamp, pose) for pose in poses])
+    return BUILD.path(SECOND * stamp, poses)
 
 
 def joints(stamp: int, q: np.ndarray) -> Any:
-    none = np.empty(0)
-    return T['sensor_msgs/msg/JointState'](header(stamp), list(ROBOT.axes_data.names), q, none, none)
+    return BUILD.joint_state(SECOND * stamp, ROBOT.axes_data.names, q)
 
 
 def reference() -> Any:
-    still, none = np.zeros(6), np.empty(0)
-    at_once = T['builtin_interfaces/msg/Duration'](0, 0)
-    point = T['trajectory_msgs/msg/JointTrajectoryPoint'](BEGIN, still, still, none, at_once)
-    return T['trajectory_msgs/msg/JointTrajectory'](header(0), list(ROBOT.axes_data.names), [point])
+    still = np.zeros(6)
+    return BUILD.joint_trajectory(0, ROBOT.axes_data.names, [(0, BEGIN, still, still)])
 
 
 def commands() -> Iterator[tuple[float, str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +10,12 @@ import pytest
 
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.simulate import simulate
-from robots_core import load_robot_model
-from written_bags import BAG_START, BAG_TYPES, write_bag
+from robots_controller.simulation.record.ros_messages import BUILD
+from robots_core import Pose, load_robot_model
+from written_bags import BAG_START, write_bag
 
 from .lockstep_runs import LockstepRuns
 
-T = BAG_TYPES.types
 ROBOT = load_robot_model('kuka_kr210_r2700')
 READY = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
 MOVE = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
@@ -27,13 +26,8 @@ TURN, RADIUS = 1.5, 0.03  # s, m
 Messages = list[tuple[float, str, Any]]
 
 
-def header(time: float, frame: str) -> Any:
-    stamp = T['builtin_interfaces/msg/Time'](*divmod(BAG_START + round(1e9 * time), 1_000_000_000))
-    return T['std_msgs/msg/Header'](stamp, frame)
-
-
-def vectors(*rows: Any) -> Iterator[Any]:
-    return (T['geometry_msgs/msg/Vector3'](*map(float, row)) for row in rows)
+def stamp(time: float) -> int:
+    return BAG_START + round(1e9 * time)
 
 
 def times(duration: float) -> list[float]:
@@ -47,31 +41,24 @@ def circle() -> Messages:
     for time in times(TURN):
         part = time / TURN
         angle = 2.0 * np.pi * part - np.sin(2.0 * np.pi * part)
-        point = T['geometry_msgs/msg/Point'](
-            *(r + RADIUS * np.array([0.0, np.sin(angle), 1.0 - np.cos(angle)]))
-        )
-        pose = T['geometry_msgs/msg/Pose'](point, T['geometry_msgs/msg/Quaternion'](0.0, 1.0, 0.0, 0.0))
-        message = T['geometry_msgs/msg/PoseStamped'](header(time, 'base'), pose)
+        point = r + RADIUS * np.array([0.0, np.sin(angle), 1.0 - np.cos(angle)])
+        message = BUILD.pose_stamped(stamp(time), Pose.from_quaternion(point, [0.0, 1.0, 0.0, 0.0]))
         rows.append((time + DELAY, '/reference_pose', message))
     return rows
 
 
 def twists(topic: str, frame: str) -> Messages:
     """A person or a sensor that moves the tool."""
-    twist = T['geometry_msgs/msg/Twist'](*vectors([0.0, 0.05, -0.02], [0.0, 0.0, 0.1]))
-    return [
-        (time + DELAY, topic, T['geometry_msgs/msg/TwistStamped'](header(time, frame), twist))
-        for time in times(0.6)
-    ]
+    twist = np.array([0.0, 0.05, -0.02, 0.0, 0.0, 0.1])
+    return [(time + DELAY, topic, BUILD.twist_stamped(stamp(time), twist, frame)) for time in times(0.6)]
 
 
 def axes() -> Messages:
     """A person who jogs two axes."""
     velocity = np.array([0.1, 0.0, 0.0, 0.0, 0.0, -0.05])
-    state, names = T['sensor_msgs/msg/JointState'], list(ROBOT.axes_data.names)
-    none = np.zeros(0)
+    names = ROBOT.axes_data.names
     return [
-        (time, '/teach_joints', state(header(time, ''), names, none, velocity, none)) for time in times(0.6)
+        (time, '/teach_joints', BUILD.joint_state(stamp(time), names, q_dot=velocity)) for time in times(0.6)
     ]
 
 

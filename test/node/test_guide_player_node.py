@@ -11,11 +11,12 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_controller.nodes.guide_player_node import GuidePlayerNode
+from robots_controller.simulation.record.ros_messages import BUILD
 from robots_core import load_robot_model
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.messages import nanoseconds
 from robots_core.ros.qos import COMMAND, STATE
-from written_bags import BAG_START, BAG_TYPES, write_bag
+from written_bags import BAG_START, write_bag
 
 from .bench import Bench
 
@@ -26,13 +27,10 @@ PERIOD, COUNT = 20_000_000, 5  # ns
 
 def jogs(folder: Path) -> Path:
     """A recording of a person who jogs all axes."""
-    T, none = BAG_TYPES.types, np.zeros(0)
     rows = []
     for k in range(COUNT):
-        stamp = T['builtin_interfaces/msg/Time'](*divmod(BAG_START + PERIOD * k, 1_000_000_000))
         velocity = np.full(len(JOINTS), 0.01 * k)
-        header = T['std_msgs/msg/Header'](stamp, '')
-        message = T['sensor_msgs/msg/JointState'](header, JOINTS, none, velocity, none)
+        message = BUILD.joint_state(BAG_START + PERIOD * k, JOINTS, q_dot=velocity)
         rows.append((1e-9 * PERIOD * k, '/teach_joints', message))
     return write_bag(folder / 'jogs', rows)
 
