@@ -145,3 +145,14 @@ def test_the_documentation_has_the_writers():
         [f'| `{topic}`', ', '.join(f'`{node}`' for node in writers.nodes)]
         for topic, writers in WRITERS.items()
     ]
+
+
+def test_other_nodes_are_foreign_where_no_place_is_free() -> None:
+    results, drives = WRITERS['motion_result'], WRITERS['drives_on']
+    assert results.foreign({'/cell/controller_node', '/cell/mine'}, '/cell/', places=True) == set()
+    assert results.foreign({'/controller_node', '/cell/mine'}, '/cell', places=True) == set()
+    both = {'/controller_node', '/planning_node'}
+    assert results.foreign({*both, '/mine'}, '/', places=True) == {'/mine'}
+    assert results.foreign(both, '/', places=True) == set()
+    assert drives.foreign({'/mine'}, '/', places=True) == set()
+    assert drives.foreign({'/mine'}, '/', places=False) == {'/mine'}

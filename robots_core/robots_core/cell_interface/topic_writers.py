@@ -27,6 +27,20 @@ class Writers:
     stream: bool = False
     state: bool = False
 
+    def foreign(self, names: set[str], namespace: str, *, places: bool) -> set[str]:
+        """The nodes that have no place here, of all that publish the topic.
+
+        What a restart has left behind has the name of one of the suite.
+
+        Args:
+            names: Full names of nodes.
+            namespace: Where the suite's nodes are.
+            places: Other nodes may take the places that are free.
+        """
+        suite = names & {f'{namespace.rstrip("/")}/{name}' for name in self.nodes}
+        others, free = names - suite, max(0, self.places - len(suite)) if places else 0
+        return others if len(others) > free else set()
+
 
 WRITERS: Final[Mapping[str, Writers]] = {
     'joint_reference': Writers(('controller_node',), stream=True),

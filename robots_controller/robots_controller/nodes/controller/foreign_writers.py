@@ -46,9 +46,4 @@ class ForeignWriters:
 
     def _foreign(self, topic: str) -> set[str]:
         names = {*publishers_of(self._node, topic).values()}
-        namespace = self._node.get_namespace().rstrip('/')
-        # What a restart has left behind has the name of one of the suite.
-        suite = names & {f'{namespace}/{name}' for name in WRITERS[topic].nodes}
-        free = 0 if topic in TO_DRIVES else max(0, WRITERS[topic].places - len(suite))
-        foreign = names - suite
-        return foreign if len(foreign) > free else set()
+        return WRITERS[topic].foreign(names, self._node.get_namespace(), places=topic not in TO_DRIVES)
