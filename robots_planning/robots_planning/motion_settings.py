@@ -16,6 +16,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
+from robots_core.status import Status
 from robots_core.validation import bounded_vector, finite_vector, one_of
 from robots_planning.planner_choice import check_planner
 
@@ -254,6 +255,11 @@ def settings_as_text(settings: MotionSettings, pendant: Mapping[str, Any] | None
     """
     named = {**asdict(settings), **{f'{PENDANT}{name}': value for name, value in (pendant or {}).items()}}
     return {name: json.dumps(value) for name, value in named.items()}
+
+
+def settings_status(settings: MotionSettings, pendant: Mapping[str, Any] | None = None) -> Status:
+    """The settings as they travel on `motion_settings`; the arguments are those of `settings_as_text`."""
+    return Status('motion settings', values=settings_as_text(settings, pendant))
 
 
 def of_pendant(settings: MotionSettings, own: Mapping[str, Any]) -> MotionSettings:

@@ -36,10 +36,10 @@ from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-from robots_core.status import Status
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
+from robots_planning.motion_results import plan_status
 from robots_planning.motion_settings import (
     DESCRIPTIONS,
     PENDANT,
@@ -48,7 +48,7 @@ from robots_planning.motion_settings import (
     MotionSettings,
     checked,
     of_pendant,
-    settings_as_text,
+    settings_status,
 )
 from robots_planning.nodes.command_admission import CommandAdmission
 from robots_planning.nodes.command_inbox import CommandInbox
@@ -245,7 +245,7 @@ class PlanningNode(RobotNode):
     def _publish_settings(self) -> None:
         # A command follows the change that it is meant for: in a recording, the settings of a command are
         # those that were published last before it.
-        status = Status('motion settings', values=settings_as_text(self._settings(), self._pendant))
+        status = settings_status(self._settings(), self._pendant)
         self._settings_publisher.publish(BUILD.status(status, self.robot_name))
 
     def _release(self) -> None:
@@ -299,9 +299,7 @@ class PlanningNode(RobotNode):
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
     ) -> None:
         """See `MotionPlannerPort`."""
-        self._plan_publisher.publish(
-            BUILD.status(Status('motion plan', values={'id': id_, **ends}), self.robot_name)
-        )
+        self._plan_publisher.publish(BUILD.status(plan_status(id_, ends), self.robot_name))
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )

@@ -36,7 +36,8 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.status import Level, Status
 from robots_core.validation import Array
-from robots_planning.motion_settings import MotionSettings, settings_as_text
+from robots_planning.motion_results import plan_status
+from robots_planning.motion_settings import MotionSettings, settings_status
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -196,7 +197,7 @@ class CellLog:
             self._settings = settings
             # After the command before, and not after its own.
             self._latest = max(self._latest, self._last_command + 1)
-            self.report('motion_settings', Status('motion settings', values=settings_as_text(settings)))
+            self.report('motion_settings', settings_status(settings))
 
     def command(self, id_: str, command: MotionCommand, settings: MotionSettings) -> None:
         """A motion was commanded; its stamp is its id."""
@@ -213,7 +214,7 @@ class CellLog:
         """A plan goes to the controller; see `MotionPlannerPort.send`."""
         self._motions.planned(ends, motion)
         if self._bag is not None:
-            self.report('motion_plan', Status('motion plan', values={'id': id_, **ends}))
+            self.report('motion_plan', plan_status(id_, ends))
             times, rows = motion.trajectory.points_of_message(join_time)
             points = zip(times.tolist(), *rows, strict=True)
             message = BUILD.joint_trajectory(_nanoseconds(id_), self._joints, points, BASE_FRAME)
