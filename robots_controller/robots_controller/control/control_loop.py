@@ -194,7 +194,7 @@ class ControlLoop:
     def lose_commander(self, commander: Commander, reason: str) -> bool:
         """A commander is gone; returns whether it had the robot, which is free then.
 
-        A robot that a pendant had stops on its path. That of a program is stopped by the fault of a lost node.
+        A robot that a pendant had stops on its path; that of a program is stopped by `Fault.PROGRAM_LOST`.
         """
         had = self.controller.speed.authority.lose(commander)
         if had and commander is Commander.PENDANT:

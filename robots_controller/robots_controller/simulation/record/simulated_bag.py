@@ -167,10 +167,11 @@ class SimulatedBag:
         n = len(self._names)
         rows, mark, wrench, pose = [marks(n, i) for i in range(3)], marks(1, 0), marks(6, 0), marks(7, 0)
         states = rows[: self._recording.state.shape[1]]
+        point = round(1e9 * period), rows[0], rows[1], rows[2]
         tcp = BUILD.pose_stamped(0, Pose.identity())
         tcp.pose = BUILD.pose(pose[:3], pose[3:])
         templates: dict[str, tuple[Any, list[Array]]] = {
-            'joint_reference': (BUILD.joint_trajectory(0, self._names, [(round(1e9 * period), *rows)]), rows),
+            'joint_reference': (BUILD.joint_trajectory(0, self._names, [point]), rows),
             'joint_states': (BUILD.joint_state(0, self._names, *states), states),
             'tcp_pose': (tcp, [pose]),
             'measured_wrench': (BUILD.wrench_stamped(0, wrench), [wrench]),
