@@ -210,7 +210,8 @@ benchmark-analytic-ik: build .venv/benchmark/.installed  ## Analytic inverse kin
 
 .PHONY: benchmark-kinematics
 benchmark-kinematics: build .venv/benchmark/.installed  ## Kinematics and dynamics of all robots side by side with peers
-	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_kinematics.py
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_kinematics.py; \
+	  python test/benchmark/benchmark_kernels.py
 
 .PHONY: benchmark-dynamics
 benchmark-dynamics: build  ## Dynamics, drives and collision checks side by side with bare Pinocchio and python-fcl
@@ -237,6 +238,10 @@ benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements 
 benchmark-pendant: build .venv/.installed_tests  ## The operator's page in Chromium: until usable, a press until the robot moves, ten viewers, memory for DURATION=3600 s
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/endurance:$$PWD/test/support" \
 	  python test/benchmark/benchmark_pendant.py $(or $(DURATION),3600) $(OPTIONS)
+
+.PHONY: benchmark-report
+benchmark-report: build .venv/.installed_tests  ## Size of a report's page and time to open it, side by side with viser's export
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/support" python test/benchmark/benchmark_report.py
 
 # A separate folder: the package is large, and needed here only.
 .venv/example_robots/.installed: requirements-example-robots.txt $(VENV_STAMP)

@@ -1,13 +1,19 @@
-"""What the nodes of a cell take of a core while the robot stands, next to bare rclpy nodes.
+"""What the nodes of a cell take of a core while the robot stands or moves, next to bare rclpy nodes.
 
 Run by `make benchmark-cell-at-rest`; OPTIONS=--markdown prints the table of docs/explanation/benchmarks.md.
 A bare node publishes the messages of the node beside it at the same rates, by timers of rclpy, and subscribes
 to the same topics with callbacks that do nothing. Both groups run for the same time, one after the other.
+Then the references alone are received, for their gaps and how late they are.
+
+--moving measures while a program moves the robot to and fro. --cells 10 starts ten cells, each in a namespace
+of its own, and prints what they take together. Other options are passed to `cell`, such as --composed and
+--headless; without the latter the 3D view runs too, which no browser shows.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import re
@@ -16,18 +22,22 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from trajectory_msgs.msg import JointTrajectory
 
 from node_pids import node_pids
+from robots_core import load_robot_model
 from robots_core.ros.message_class import message_class
+from robots_core.ros.qos import SENSOR
 from robots_core.ros.running.middleware import choose_transports
 
 CELL = Path('install/robots_controller/lib/robots_controller/cell')
@@ -38,6 +48,12 @@ COUNTING = 5.0  # s
 NOT_OURS = {'/rosout', '/parameter_events'}
 TICKS = os.sysconf('SC_CLK_TCK')
 READY = 'the cell is ready'
+ROBOT = 'bello_bot'
+SWING = 20.0  # deg, of the first axis to both sides
+RATE = 250.0  # Hz, of the references
+MONITOR = 'cell_monitor'
+OBSERVER = 'observer'
+Graph = dict[str, dict[str, list[dict[str, Any]]]]
 
 
 @dataclass
@@ -60,17 +76,60 @@ class Use:
     memory: dict[str, float] = field(default_factory=dict)
 
 
-def graph(nodes: set[str]) -> dict[str, dict[str, list[dict[str, Any]]]]:
+@dataclass(frozen=True)
+class Kept:
+    """How a cell kept the time of its references.
+
+    Attributes:
+        gaps: Between them, ms.
+        late: From the time that they are for to their sending, ms.
+    """
+
+    gaps: np.ndarray
+    late: np.ndarray
+
+    @property
+    def line(self) -> str:
+        """For a person."""
+        deviation = np.percentile(np.abs(self.gaps - 1e3 / RATE), 99.0)
+        return (
+            f'references: deviation of the period {deviation:.2f} ms (99 %), '
+            f'longest gap {self.gaps.max():.1f} ms, sent {np.median(self.late):.2f} ms (median), '
+            f'{np.percentile(self.late, 99.0):.2f} ms (99 %) late'
+        )
+
+
+def references(seconds: float) -> Kept:
+    """Of a cell that runs, by the stamps of the middleware."""
+    node, executor = Node(OBSERVER), SingleThreadedExecutor()
+    executor.add_node(node)
+    sent, late = [], []
+
+    def take(message: JointTrajectory, info: dict[str, int]) -> None:
+        stamp = message.header.stamp
+        sent.append(info['source_timestamp'])
+        late.append(1e-6 * info['source_timestamp'] - 1e3 * stamp.sec - 1e-6 * stamp.nanosec)
+
+    reading = QoSProfile(depth=1000, reliability=SENSOR.reliability)
+    node.create_subscription(JointTrajectory, 'joint_reference', take, reading)
+    start = time.monotonic()
+    while time.monotonic() - start < seconds:
+        executor.spin_once(timeout_sec=0.1)
+    node.destroy_node()
+    executor.shutdown()
+    return Kept(1e-6 * np.diff(sent), np.array(late))
+
+
+def graph() -> Graph:
     """Publishers with their rates, and subscriptions, of each node."""
-    node = Node('observer')
+    node = Node(OBSERVER)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     deadline = time.monotonic() + COUNTING
     while time.monotonic() < deadline:
         executor.spin_once(timeout_sec=0.1)
-    found: dict[str, dict[str, list[dict[str, Any]]]] = {
-        name: {'publishers': [], 'subscriptions': []} for name in sorted(nodes)
-    }
+    nodes = {name for name in node.get_node_names() if not name.startswith('_')} - {OBSERVER}
+    found: Graph = {name: {'publishers': [], 'subscriptions': []} for name in sorted(nodes)}
     topics = {name: types[0] for name, types in node.get_topic_names_and_types() if name not in NOT_OURS}
     counted = {topic: Counted() for topic in topics}
     for topic, type_name in topics.items():
@@ -141,13 +200,12 @@ def helpers(cell: int, nodes: Mapping[str, int]) -> dict[str, int]:
     return found
 
 
-def measured_cell(
-    options: list[str], seconds: float
-) -> tuple[float, Use, dict[str, dict[str, list[dict[str, Any]]]]]:
-    """Time until the cell is ready (s), what it takes at rest, and its graph."""
+@contextlib.contextmanager
+def running_cell(options: list[str]) -> Iterator[tuple[int, float]]:
+    """Process id of a cell, and the time until it was ready, s."""
     start = time.monotonic()
     with tempfile.NamedTemporaryFile('w') as printed:
-        cell = subprocess.Popen([CELL, '--headless', *options], stdout=printed)
+        cell = subprocess.Popen([CELL, *options], stdout=printed, stderr=subprocess.STDOUT)
         try:
             while READY not in Path(printed.name).read_text():
                 if cell.poll() is not None or time.monotonic() - start > START_TIMEOUT:
@@ -155,16 +213,63 @@ def measured_cell(
                 time.sleep(0.02)
             ready = time.monotonic() - start
             time.sleep(SETTLING)
-            pids = node_pids(cell.pid)
-            use = used({'cell': cell.pid, **pids, **helpers(cell.pid, pids)}, seconds)
-            rclpy.init()
-            description = graph(set(pids) | {'cell_monitor'})
-            rclpy.shutdown()
+            yield cell.pid, ready
+            if cell.poll() is not None:
+                raise SystemExit(f'the cell has ended:\n{Path(printed.name).read_text()}')
         finally:
-            cell.send_signal(signal.SIGINT)
+            if cell.poll() is None:
+                cell.send_signal(signal.SIGINT)
             cell.wait()
-    description['cell'] = description.pop('cell_monitor')
-    return ready, use, description
+
+
+def processes_of(cell: int) -> dict[str, int]:
+    """By name."""
+    pids = node_pids(cell)
+    return {'cell': cell, **pids, **helpers(cell, pids)}
+
+
+def measured_cell(options: list[str], seconds: float) -> tuple[float, Use, Graph, Kept]:
+    """Time until the cell is ready (s), what it takes, its graph, and its references."""
+    with running_cell(options) as (cell, ready):
+        use = used(processes_of(cell), seconds)
+        rclpy.init()
+        kept, description = references(seconds), graph()
+        rclpy.shutdown()
+    description['cell'] = description.pop(MONITOR)
+    return ready, use, description, kept
+
+
+def measured_cells(count: int, options: list[str], seconds: float) -> None:
+    """Print what several cells take together."""
+    with contextlib.ExitStack() as running:
+        started = [
+            running.enter_context(running_cell(['--namespace', f'/robot_{number}', *options]))
+            for number in range(count)
+        ]
+        pids = {
+            f'{number} {name}': pid
+            for number, (cell, _) in enumerate(started)
+            for name, pid in processes_of(cell).items()
+        }
+        use = used(pids, seconds)
+    sizes = [sum(use.memory[name] for name in pids if name.split()[0] == str(n)) for n in range(count)]
+    print(
+        f'{count} cells, {len(pids)} processes: {sum(sizes):.0f} MB '
+        f'({min(sizes):.0f} to {max(sizes):.0f} each), '
+        f'{sum(use.cpu.values()):.0f} % of a core; the last was ready after {started[-1][1]:.1f} s'
+    )
+
+
+def swinging_program(folder: str) -> Path:
+    """A program that always moves the robot."""
+    home = np.degrees(load_robot_model(ROBOT).home)
+    swing = np.eye(home.size)[0] * SWING
+    moves = [
+        f'  ptpJointSpaceAngles({", ".join(map(repr, q.tolist()))})' for q in (home + swing, home - swing)
+    ]
+    program = Path(folder, 'swing.lua')
+    program.write_text('\n'.join(['while true do', *moves, 'end']) + '\n')
+    return program
 
 
 def measured_bare(description: dict[str, Any], seconds: float) -> Use:
@@ -183,24 +288,43 @@ def measured_bare(description: dict[str, Any], seconds: float) -> Use:
                 process.wait()
 
 
+def show(ours: Use, bare: Use, *, markdown: bool) -> None:
+    """The table; nodes that share a process have one line, and their peers one each."""
+    line = '| {} | {} | {} | {} |' if markdown else '{:26} {:>10} {:>12} {:>10}'
+    print(line.format('node', 'processor', 'bare rclpy', 'memory'))
+    if markdown:
+        print(line.format(*['---'] * 4))
+    for name in (*sorted(ours.cpu, key=lambda one: -ours.cpu[one]), *sorted(set(bare.cpu) - set(ours.cpu))):
+        cells = (
+            f'{ours.cpu[name]:.1f} %' if name in ours.cpu else '',
+            f'{bare.cpu[name]:.1f} %' if name in bare.cpu else '',
+            f'{ours.memory[name]:.0f} MB' if name in ours.cpu else '',
+        )
+        print(line.format(name, *cells))
+    total = f'{sum(ours.cpu.values()):.1f} %', f'{sum(bare.cpu.values()):.1f} %'
+    print(line.format('all', *total, f'{sum(ours.memory.values()):.0f} MB'))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--seconds', type=float, default=30.0, help='for which each group is measured')
     parser.add_argument('--markdown', action='store_true', help='print the table for the documentation')
+    parser.add_argument('--moving', action='store_true', help='measure while a program moves the robot')
+    parser.add_argument('--cells', type=int, default=1, help='so many at once, for what they take together')
+    parser.add_argument('--no-peers', action='store_true', help='without the bare nodes')
     options, cell_options = parser.parse_known_args()
     choose_transports()
-    ready, ours, description = measured_cell(cell_options, options.seconds)
-    bare = measured_bare(description, options.seconds)
-    line = '| {} | {} | {} | {} |' if options.markdown else '{:26} {:>10} {:>12} {:>10}'
-    print(line.format('node', 'processor', 'bare rclpy', 'memory'))
-    if options.markdown:
-        print(line.format(*['---'] * 4))
-    for name in sorted(ours.cpu, key=lambda one: -ours.cpu[one]):
-        cells = f'{ours.cpu[name]:.1f} %', f'{bare.cpu.get(name, 0.0):.1f} %', f'{ours.memory[name]:.0f} MB'
-        print(line.format(name, *cells))
-    total = f'{sum(ours.cpu.values()):.1f} %', f'{sum(bare.cpu.values()):.1f} %'
-    print(line.format('all', *total, f'{sum(ours.memory.values()):.0f} MB'))
-    print(f'\nready in {ready:.1f} s')
+    with tempfile.TemporaryDirectory() as folder:
+        cell_options += ['--robot', ROBOT]
+        if options.moving:
+            cell_options += ['--program', str(swinging_program(folder))]
+        if options.cells > 1:
+            measured_cells(options.cells, cell_options, options.seconds)
+            return
+        ready, ours, description, kept = measured_cell(cell_options, options.seconds)
+    bare = Use() if options.no_peers else measured_bare(description, options.seconds)
+    show(ours, bare, markdown=options.markdown)
+    print(f'\nready in {ready:.1f} s\n{kept.line}')
 
 
 if __name__ == '__main__':

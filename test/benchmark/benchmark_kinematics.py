@@ -18,6 +18,8 @@ roboticstoolbox takes part with its compiled `ETS.eval` (FK) and `ETS.jacob0`. I
 and its dynamics of a robot that is not given by Denavit-Hartenberg parameters are plain Python, and left out;
 so are robots with an axis that slides. Analytic inverse kinematics is measured by the functions of
 `make benchmark-analytic-ik`, over fewer poses.
+
+The last table is of `Pose`, with its checks, next to `pinocchio.SE3`, which has none.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from benchmark_inverse_kinematics import elementary_transforms, ranges
 from rich.console import Console
 from rich.table import Table
 
-from robots_core import BaseRobotModel, available_robot_models, load_robot_model
+from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot_model
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
@@ -44,6 +46,8 @@ AGREEMENT = 1e-9
 
 # How many of q, q_dot and q_ddot a call takes.
 ARGUMENTS = {'FK': 1, 'J': 1, 'J_der': 2, 'dynamics': 3, 'bare FK': 1, 'bare dynamics': 2}
+
+POSE_GOALS = {'construction': 5.0, 'product': 3.0}  # us
 
 Calls = dict[str, Callable[..., Any]]
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -173,6 +177,37 @@ def measure(calls: dict[str, Calls], motions: list[Motion], rounds: int) -> dict
     }
 
 
+def pose_times(rounds: int) -> dict[str, tuple[float, float]]:
+    """Median times of `Pose` and of `pinocchio.SE3`, us, by what is done."""
+    rng = np.random.default_rng(5)
+    arrays = [(r, pin.exp3(rotation)) for r, rotation in rng.normal(size=(SAMPLES, 2, 3))]
+    poses, peers = [Pose(*pose) for pose in arrays], [pin.SE3(T, r) for r, T in arrays]
+
+    def construct(r: np.ndarray, T: np.ndarray) -> Any:
+        return Pose(r, T)
+
+    def peer_construct(r: np.ndarray, T: np.ndarray) -> Any:
+        return pin.SE3(T, r)
+
+    def multiply(first: Pose, second: Pose) -> Any:
+        return first @ second
+
+    def peer_multiply(first: pin.SE3, second: pin.SE3) -> Any:
+        return first * second
+
+    pairs = {
+        'construction': ((construct, arrays), (peer_construct, arrays)),
+        'product': (
+            (multiply, list(zip(poses, poses[::-1], strict=True))),
+            (peer_multiply, list(zip(peers, peers[::-1], strict=True))),
+        ),
+    }
+    return {
+        what: tuple(np.median([[mean_time(*side) for side in sides] for _ in range(rounds)], axis=0))
+        for what, sides in pairs.items()
+    }
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--rounds', type=int, default=41, help='turns that each takes')
@@ -209,8 +244,11 @@ def main() -> None:
         toolbox_cells = [cell(ours[what], toolbox[what]) if toolbox else '-' for what in ('FK', 'J')]
         analytic = analytic_times(robot, motions, rounds)
         peers.add_row(name, *toolbox_cells, cell(*analytic) if analytic else '-')
+    poses = Table('Pose', 'Pose / pinocchio.SE3, ratio', 'at most', title=f'Poses, {heading}')
+    for what, times in pose_times(rounds).items():
+        poses.add_row(what, cell(*times), f'{POSE_GOALS[what]:g}')
     console = Console(width=150)
-    console.print(plain, same, peers)
+    console.print(plain, same, peers, poses)
 
 
 if __name__ == '__main__':
