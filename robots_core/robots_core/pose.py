@@ -16,7 +16,7 @@ from robots_core.orientation import (
     rotation_from_quaternion,
     rotation_vector,
 )
-from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
+from robots_core.validation import Array, finite_vector, rotation_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,7 @@ class Pose:
     T: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'r', read_only(finite_vector(self.r, 3, 'r')))
-        object.__setattr__(self, 'T', read_only(rotation_matrix(self.T)))
+        _set(self, finite_vector(self.r, 3, 'r').copy(), rotation_matrix(self.T).copy())
 
     @classmethod
     def identity(cls) -> Pose:
@@ -89,8 +88,13 @@ class Pose:
 def _valid(r: Array, T: Array) -> Pose:
     """The pose of arrays that follow from those of other poses: without another check."""
     pose = object.__new__(Pose)
+    _set(pose, r, T)
+    return pose
+
+
+def _set(pose: Pose, r: Array, T: Array) -> None:
+    """Give a pose its arrays, which become read-only."""
     r.setflags(write=False)
     T.setflags(write=False)
     object.__setattr__(pose, 'r', r)
     object.__setattr__(pose, 'T', T)
-    return pose

@@ -116,15 +116,16 @@ def rotation_matrix(T: ArrayLike) -> Array:
         raise InvalidInputError(f'T must have shape (3, 3), got {array.shape}')
     # On nine values numpy's own products and reductions take several times longer.
     (a, b, c), (d, e, f), (g, h, i) = array.tolist()
-    deviation = max(
-        abs(a * a + b * b + c * c - 1.0),
-        abs(d * d + e * e + f * f - 1.0),
-        abs(g * g + h * h + i * i - 1.0),
-        abs(a * d + b * e + c * f),
-        abs(a * g + b * h + c * i),
-        abs(d * g + e * h + f * i),
-    )
-    if not (deviation <= ROTATION_TOLERANCE and isfinite(a + b + c + d + e + f + g + h + i)):
+    most = ROTATION_TOLERANCE
+    if not (
+        abs(a * a + b * b + c * c - 1.0) <= most
+        and abs(d * d + e * e + f * f - 1.0) <= most
+        and abs(g * g + h * h + i * i - 1.0) <= most
+        and abs(a * d + b * e + c * f) <= most
+        and abs(a * g + b * h + c * i) <= most
+        and abs(d * g + e * h + f * i) <= most
+    ):
+        deviation = float(np.abs(array @ array.T - np.eye(3)).max())
         raise InvalidInputError(
             f'T is not a rotation matrix: T T^T differs from identity by {deviation:.3g}, '
             f'allowed is {ROTATION_TOLERANCE:g}'
