@@ -55,7 +55,6 @@ def kinematics_and_dynamics() -> None:
     home = robot.home
     SerialChain.of(robot).forward(home)
     robot.tool_poses(home[None])
-    robot.rigid_dynamics(home, home, home)
     FunctionDynamics(robot).accelerations(home, home, home)
     NumericalDynamics(robot).accelerations(home, home, home)
 

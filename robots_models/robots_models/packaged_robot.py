@@ -44,7 +44,7 @@ class PackagedRobot(UrdfRobotModel):
         key = type(self), joint_limits, tuple(finite_vector(gravity, 3, 'gravity').tolist())
         if key in _READ:
             self.__dict__ |= _READ[key]
-            self._take_memory()
+            self._data = self._model.createData()
             return
         package = type(self).__module__.rpartition('.')[0]
         with as_file(files(package)) as folder:

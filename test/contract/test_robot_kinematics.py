@@ -14,6 +14,8 @@ from .reference import DIFFERENCE_TOLERANCE, DescribedRobot, derivative, twist
 # Products of some ten rotations and sums of some ten lengths of metres: a few 1e-15 each. Descriptions
 # print angles with twelve digits, so that their rotations are orthonormal to 1e-11 and better.
 EXACT = 1e-11
+# A product of as many rotations as a robot has axes, per metre of reach.
+ROUNDING = 1e-13
 
 
 def test_pose_is_a_position_and_a_rotation(robot: BaseRobotModel, postures: np.ndarray):
@@ -32,7 +34,7 @@ def test_poses_at_many_joint_positions_are_those_at_each(robot: BaseRobotModel, 
         assert T.shape == (len(some), 3, 3)
         for q, mine in zip(some, zip(r, T, strict=True), strict=True):
             for part, its in zip(mine, robot.direct_kinematics(q), strict=True):
-                np.testing.assert_array_equal(part, its)
+                np.testing.assert_allclose(part, its, rtol=0.0, atol=ROUNDING)
     for wrong in (np.full_like(postures, np.nan), postures[:, 1:]):
         with pytest.raises(InvalidInputError):
             robot.tool_poses(wrong)

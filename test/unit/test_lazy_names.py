@@ -109,12 +109,12 @@ def test_every_node_has_its_list():
     assert nodes <= {module for modules in LEAN.values() for module in modules}
 
 
-def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy():
+def test_a_robot_with_its_kinematics_and_dynamics_needs_no_meshes_no_scipy_and_no_compiler():
     program = (
         'import sys; from robots_core import load_robot_model; robot = load_robot_model("kuka_kr210_r2700");'
         'robot.direct_kinematics(robot.home); robot.jacobian(robot.home);'
         'robot.rigid_dynamics(robot.home, robot.home, robot.home);'
-        f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
+        f'print(*sorted(set({(*MESHES, *SCIPY, *COMPILER)!r}) & set(sys.modules)))'
     )
     assert printed(program) == []
 

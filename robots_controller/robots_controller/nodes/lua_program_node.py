@@ -10,7 +10,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
@@ -70,8 +69,6 @@ class LuaProgramNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('lua_program_node', **options)
-        # Kinematics load their compiled code when they are first used: in a motion, this node would be deaf.
-        self.robot.direct_kinematics(np.array(self.robot.home))
         self.parameter('program', '', "the robot program's path, read at ~/open")
         convention = self.parameter(
             'orientation_convention',

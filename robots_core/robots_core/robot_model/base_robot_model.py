@@ -110,7 +110,7 @@ class BaseRobotModel(ABC):
         """
 
     def tool_poses(self, q: Array) -> tuple[Array, Array]:
-        """`direct_kinematics` at many joint positions.
+        """`direct_kinematics` at many joint positions, equal to rounding.
 
         Args:
             q: Joint positions, (m, n), rad (m).

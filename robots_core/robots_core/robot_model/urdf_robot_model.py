@@ -1,6 +1,6 @@
 """UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property, partial
 from importlib import import_module
 from math import isfinite
@@ -9,7 +9,6 @@ from typing import Final, Literal
 
 import numpy as np
 import pinocchio as pin
-from numpy import empty
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
@@ -116,7 +115,7 @@ class UrdfRobotModel(BaseRobotModel):
         self._model = model
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
-        self._take_memory()
+        self._data = model.createData()  # scratch memory of this robot's own
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._hulls = hulls
         self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
@@ -135,13 +134,6 @@ class UrdfRobotModel(BaseRobotModel):
                 self._description = with_absolute_meshes(
                     self._description, folder, self._substitutions, unreadable=error
                 )
-
-    def _take_memory(self) -> None:
-        """Scratch memory of this robot's own, and what fills it at the first call."""
-        self._data = self._model.createData()
-        self._links = empty((self._n + 1, 13))
-        self._tool_pose: Callable[..., bool] = self._load_tool_pose
-        self._torque_sum: Callable[..., bool] = self._load_torque_sum
 
     @property
     def name(self) -> str:
@@ -201,6 +193,15 @@ class UrdfRobotModel(BaseRobotModel):
         return self._description
 
     @cached_property
+    def _links(self) -> Array:
+        """The chain for compiled code, see `ChainArrays`."""
+        chain = import_module('robots_core.kernels.serial_chain').SerialChain
+        zero = np.zeros(self._n)
+        tool0 = Pose(*self.direct_kinematics(zero))
+        links: Array = chain.at_zero(tool0, self.jacobian(zero), self._axes_data.prismatic).arrays
+        return links
+
+    @cached_property
     def home(self) -> Array:
         """Joint positions to start from, (n,) rad."""
         if self._given_home is not None:
@@ -218,20 +219,23 @@ class UrdfRobotModel(BaseRobotModel):
 
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
-        r, T = empty(3), empty((3, 3))
-        # Other arguments than n finite numbers go to the complete check, which is slower.
+        # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
+        # infinity.
+        model, data = self._model, self._data
         try:
-            if self._tool_pose(self._links, q, r, T):
-                return r, T
-        except TypeError:
-            pass
-        self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
-        return r, T
+            pin.forwardKinematics(model, data, q)
+            finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            pin.forwardKinematics(model, data, finite_vector(q, self._n, 'q'))
+        placement = pin.updateFramePlacement(model, data, self._tool0)
+        return placement.translation.copy(), placement.rotation.copy()  # they are views of `data`
 
     def tool_poses(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.tool_poses`."""
-        self.direct_kinematics(np.zeros(self._n))  # its code and the chain are loaded on first use
-        r, T = empty((len(q), 3)), empty((len(q), 3, 3))
+        r, T = np.empty((len(q), 3)), np.empty((len(q), 3, 3))
+        # Imported on first use: without it no compiled code is needed.
         poses = import_module('robots_core.robot_model.compiled_kinematics').tool_poses
         if poses(self._links, np.array(q, dtype=np.float64, order='C'), r, T):
             return r, T
@@ -239,9 +243,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
-        # infinity.
-        try:
+        try:  # as above
             J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
             finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
         except (AttributeError, TypeError, ValueError):
@@ -267,40 +269,25 @@ class UrdfRobotModel(BaseRobotModel):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        # Torques are finite only if all arguments are: one check instead of three.
-        model, data, tau = self._model, self._data, empty(self._n)
-        try:
+        model, data = self._model, self._data
+        try:  # as above; the torques without acceleration are finite only if q and q_dot are
             M: Array = pin.crba(model, data, q)
             tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
-            same = q.shape == q_dot.shape == q_ddot.shape
-            done = same and self._torque_sum(M, q_ddot, tau_aux, tau)
+            finite = (
+                q.shape == q_dot.shape == q_ddot.shape == tau_aux.shape
+                and q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
+                and isfinite(sum(q_ddot.tolist(), sum(tau_aux.tolist())))
+            )
         except (AttributeError, TypeError, ValueError):
-            done = False
-        if not done:
+            finite = False
+        if not finite:
             q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
             M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-            self._torque_sum(M, q_ddot, tau_aux, tau)
-        return tau, M, tau_aux
+        return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
 
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
         return self._analytic_solver.solve(r, T, q_near)
-
-    # Compiled functions are imported on first use: these two methods are placeholders until then. A cached
-    # property would take longer per call.
-    def _load_tool_pose(self, *arrays: Array) -> bool:
-        chain = import_module('robots_core.kernels.serial_chain').SerialChain
-        zero = np.zeros(self._n)
-        pin.forwardKinematics(self._model, self._data, zero)
-        placement = pin.updateFramePlacement(self._model, self._data, self._tool0)
-        tool0 = Pose(placement.translation, placement.rotation)
-        self._links[:] = chain.at_zero(tool0, self.jacobian(zero), self._axes_data.prismatic).arrays
-        self._tool_pose = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
-        return self._tool_pose(*arrays)
-
-    def _load_torque_sum(self, *arrays: Array) -> bool:
-        self._torque_sum = import_module('robots_core.robot_model.compiled_dynamics').torque_sum
-        return self._torque_sum(*arrays)
 
     def _shapes(self, kind: Literal['visual', 'collision'], *, hulls: bool = False) -> tuple[Shape, ...]:
         # Imported on demand: without shapes no mesh library is needed.
