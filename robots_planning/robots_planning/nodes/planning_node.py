@@ -38,8 +38,8 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
+from robots_planning.commands.motion_results import plan_status
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
-from robots_planning.motion_results import plan_status
 from robots_planning.motion_settings import (
     DESCRIPTIONS,
     PENDANT,

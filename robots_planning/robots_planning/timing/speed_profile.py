@@ -18,6 +18,9 @@ NEWTON_STEPS = 60
 SPEED_ROUNDING = 1e-12
 # Ratio of the coefficients of two speeds below which the smaller one is rounding (zero-inertia point).
 VANISHING = 1e-12
+# Squares of coefficients, of limits divided by their bound, below which a limit bounds no speed: a path that
+# turns by rounding alone has them, and their products would underflow.
+NOTHING = 1e-200
 # Fraction of a cone up to its tip, where its boundary is vertical and Newton's method fails.
 TIP = 1.0 - 1e-6
 # Fraction of the margin of a limit at rest that the change of x within an interval may use.
@@ -172,7 +175,7 @@ def _following(
                 center, half, slope, steep = -rest / gain, bound / abs(gain), -rate / gain, 0.0
             else:
                 square = gain * gain + w * w * end
-                if square <= VANISHING * w * w:
+                if square <= max(VANISHING * w * w, NOTHING):
                     continue
                 aside, aside_rate = (
                     w * ((1 - end) * gain * u - end * rest),

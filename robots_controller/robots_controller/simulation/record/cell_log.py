@@ -36,7 +36,7 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.status import Level, Status
 from robots_core.validation import Array
-from robots_planning.motion_results import plan_status
+from robots_planning.commands.motion_results import plan_status
 from robots_planning.motion_settings import MotionSettings, settings_status
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
