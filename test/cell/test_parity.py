@@ -21,7 +21,7 @@ from .lockstep_runs import SPARSE_RATE, LockstepRuns
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 NAMES += ['language/three_axes.lua', 'motion_simulator/on_linear_axis.lua']
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
-# Those of one robot, which one cell runs in a row. Of guidance without a recording there is nothing to compare.
+# Those of one robot, which one cell runs in a row. Of guidance without a recording nothing can be compared.
 EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} - {'guided', 'three_axes'})
 
 
