@@ -93,12 +93,13 @@ def test_a_plc_that_publishes_words(ros_nodes: Any):
     plc.wait(lambda: [list(m.data) for m in words[-3:]] == 3 * [expected], 'the words and their repetitions')
 
 
-def test_inputs_without_a_value_are_named_in_the_label_of_their_image(bridge: Any):
+def test_emergency_stops_without_a_value_are_named_in_the_label_of_their_image(bridge: Any):
     rows = [
         f'  - {{channel: digital_input.{k}, topic: plc/{name}, type: Bool}}\n'
-        for k, name in enumerate('ab', 1)
+        for k, name in enumerate('abc', 1)
     ]
-    plc = bridge('inputs:\n' + ''.join(rows))
+    stops = 'emergency_stop: {digital_input.1: off, digital_input.2: off}\n'
+    plc = bridge(stops + 'inputs:\n' + ''.join(rows))
     images = plc.collect('digital_inputs', UInt8MultiArray, EVERY_STATE)
 
     def unknown() -> dict[int, str]:
@@ -109,7 +110,7 @@ def test_inputs_without_a_value_are_named_in_the_label_of_their_image(bridge: An
     plc.repeat('plc/a', Bool(data=False))  # the value that it has already
     plc.wait(lambda: unknown() == {2: silent[2]}, 'a value of one')
     plc.repeat('plc/b', Bool(data=True))
-    plc.wait(lambda: list(images[-1].data) == [0, 1] and not unknown(), 'values of both')
+    plc.wait(lambda: list(images[-1].data) == [0, 1, 0] and not unknown(), 'values of both')
     assert not images[-1].layout.dim
 
 

@@ -78,7 +78,7 @@ def test_a_plc_that_has_not_sent_yet_is_told_from_a_button_and_one_reset_starts(
 ) -> None:
     path = tmp_path / 'map.yaml'
     row = '{channel: digital_input.2, topic: plc/e_stop, type: Bool, qos: {durability: transient_local}}'
-    path.write_text(f'inputs:\n  - {row}')
+    path.write_text(f'emergency_stop: {{digital_input.2: off}}\ninputs:\n  - {row}')
     bench = ControllerBench(ros_nodes, controller=INPUTS)
     stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE)
     bench.start_node(IoBridgeNode, io_map=str(path))

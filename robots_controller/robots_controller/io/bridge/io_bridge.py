@@ -50,12 +50,13 @@ class IoBridge:
     ) -> None:
         self._ports = ports
         self._fail_safe = fail_safe
+        self._stopping = frozenset(io_map.emergency_stop)
         self.problems = Problems(log)
         self._inputs: dict[Place, list[InputValue]] = {}
         for row in io_map.inputs:
             self._inputs.setdefault(row.place, []).append(InputValue(row, now))
         self.unknown: dict[Channel, str] = {}
-        """Inputs that have no value of the PLC, and why, for a person."""
+        """Emergency stops that have no value of the PLC, and why, for a person."""
         self._due = now
         self._outputs: dict[Place, list[IoRow]] = {}
         for row in io_map.outputs:
@@ -115,10 +116,11 @@ class IoBridge:
 
     def _look_for_silence(self, value: InputValue, now: float) -> None:
         row, problem = value.row, ''
-        if why := value.unknown(now):
-            self.unknown[row.channel] = why
-        else:
-            self.unknown.pop(row.channel, None)
+        if row.channel.name in self._stopping:
+            if why := value.unknown(now):
+                self.unknown[row.channel] = why
+            else:
+                self.unknown.pop(row.channel, None)
         if value.silent(now):
             problem = (
                 f'{row.place.source} has been silent for {row.timeout:g} s; {row.channel.name} is at its '
