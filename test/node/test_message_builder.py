@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.serialization import serialize_message
 
 from robots_controller.program.motions.motion_command import MotionCommand
@@ -65,3 +66,9 @@ def test_a_command_is_the_same_message_of_its_type(kind: MotionKind):
     rosbags = command.message(ros_messages.BUILD, STAMP, NAMES)
     assert rosbags.__msgtype__ == kind.message_type
     assert same(command.message(messages.BUILD, messages.BUILD.time(STAMP), NAMES), rosbags)
+
+
+@pytest.mark.parametrize('level', ['OK', 'WARN', 'ERROR', 'STALE'])
+def test_levels_are_those_of_the_message(level: str) -> None:
+    constant = getattr(DiagnosticStatus, level)
+    assert messages.diagnostic_status('drive', 'moves', level=constant).level == constant
