@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from guiding_messages import DELAY, Row, stamp, times, twists
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.simulate import simulate
 from robots_controller.simulation.record.ros_messages import BUILD
 from robots_core import Pose, load_robot_model
-from written_bags import BAG_START, write_bag
+from written_bags import write_bag
 
 from .lockstep_runs import LockstepRuns
 
@@ -20,24 +21,13 @@ ROBOT = load_robot_model('kuka_kr210_r2700')
 READY = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
 MOVE = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
 HEADER = f'-- Robot: {ROBOT.name}\n'
-# Between the periods of the controller, 10 ms, and of jogging, 8 ms.
-PERIOD, DELAY = 0.0213, 0.0047  # s between messages, s on their way
 TURN, RADIUS = 1.5, 0.03  # s, m
-Messages = list[tuple[float, str, Any]]
 
 
-def stamp(time: float) -> int:
-    return BAG_START + round(1e9 * time)
-
-
-def times(duration: float) -> list[float]:
-    return np.arange(0.0, duration, PERIOD).tolist()
-
-
-def circle() -> Messages:
+def circle() -> list[Row]:
     """A sensor that leads the tool around a circle, from rest to rest."""
     r, _ = ROBOT.direct_kinematics(READY)
-    rows: Messages = []
+    rows: list[Row] = []
     for time in times(TURN):
         part = time / TURN
         angle = 2.0 * np.pi * part - np.sin(2.0 * np.pi * part)
@@ -47,13 +37,7 @@ def circle() -> Messages:
     return rows
 
 
-def twists(topic: str, frame: str) -> Messages:
-    """A person or a sensor that moves the tool."""
-    twist = np.array([0.0, 0.05, -0.02, 0.0, 0.0, 0.1])
-    return [(time + DELAY, topic, BUILD.twist_stamped(stamp(time), twist, frame)) for time in times(0.6)]
-
-
-def axes() -> Messages:
+def axes() -> list[Row]:
     """A person who jogs two axes."""
     velocity = np.array([0.1, 0.0, 0.0, 0.0, 0.0, -0.05])
     names = ROBOT.axes_data.names

@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from guiding_messages import joy, twists
 from press_zone import PRESS_ZONE
 from robots_core import load_robot_model
 from robots_core.blocks import ZoneDetection, read_scene
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
-from short_programs import PROGRAMS
+from short_programs import PROGRAMS, short_copy
+from written_bags import write_bag
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells
@@ -21,8 +23,8 @@ from .lockstep_runs import SPARSE_RATE, LockstepRuns
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 NAMES += ['language/three_axes.lua', 'motion_simulator/on_linear_axis.lua']
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
-# Those of one robot, which one cell runs in a row. Of guidance without a recording nothing can be compared.
-EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} - {'guided', 'three_axes'})
+# Those of one robot, which one cell runs in a row.
+EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} - {'three_axes'})
 
 
 @pytest.mark.parametrize(('name', 'drive'), CASES)
@@ -37,8 +39,11 @@ def test_both_cells_do_the_same_in_all_examples(
     folder = tmp_path / 'programs'
     shutil.copytree(PROGRAMS, folder)
     program = folder / 'language' / 'all.lua'
+    # A simulation has neither a person nor a sensor, but recordings of them.
+    guides = [*twists('/teach_twist', 'tool', 0.2), *twists('/reference_twist', 'base', 0.2)]
+    write_bag(program.parent / 'guides', guides)
     program.write_text(
-        '-- Robot: kuka_kr210_r2700  IO: ../io/language.yaml\n'
+        '-- Robot: kuka_kr210_r2700  IO: ../io/language.yaml  References: guides\n'
         f'for _, name in ipairs{{{", ".join(map(repr, EXAMPLES))}}} do\n'
         '  print(name, pcall(call, name)) -- drives of some levels measure no torques\n'
         'end\n'
@@ -46,6 +51,19 @@ def test_both_cells_do_the_same_in_all_examples(
     run = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
     assert run.returncode == 0
     check_both_cells(run, drive, tmp_path / 'bag')
+
+
+@pytest.mark.parametrize('drive', DRIVE_LEVELS)
+def test_both_cells_do_the_same_with_a_person_who_drives(
+    drive: str, lockstep_runs: LockstepRuns, tmp_path: Path
+) -> None:
+    name = 'motion_simulator/cockpit.lua'
+    texts = {'LONGEST = 3600': 'LONGEST = 1', 'Cabin: cabin.yaml': 'Cabin: cabin.yaml  References: driver'}
+    program = short_copy(tmp_path / 'programs', name, {name: texts})
+    write_bag(program.parent / 'driver', [joy(0.05 * k, 0.15, 1.0) for k in range(20)])
+    run = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
+    check_both_cells(run, drive, tmp_path / 'bag')
+    assert run.returncode == 0, run.text
 
 
 def test_both_cells_keep_a_speed_limit_alike(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:

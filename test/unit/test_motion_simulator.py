@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from guiding_messages import joy
 from motion_simulator.double_lane_change import DoubleLaneChange
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin, reasons
 from motion_simulator.references import IMU_RATE, lane_change, recorded, write
@@ -122,11 +123,6 @@ def imu(time: float, force: list[float]) -> tuple[float, str, Any]:
         stamped(time), level, none, vector(0.0, 0.0, 0.1), none, vector(*force), none
     )
     return time, '/car/imu', message
-
-
-def joy(time: float, steering: float, pedal: float) -> tuple[float, str, Any]:
-    axes, none = np.array([steering, pedal], np.float32), np.zeros(0, np.int32)
-    return time, '/joy', T['sensor_msgs/msg/Joy'](stamped(time), axes, none)
 
 
 def test_a_recorded_motion_of_any_topic_is_taken(tmp_path: Path) -> None:

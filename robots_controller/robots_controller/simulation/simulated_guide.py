@@ -159,8 +159,11 @@ class SimulatedGuide:
         return self._control.controller.reference
 
     def _take_messages(self, source: GuideSource, nanoseconds: int) -> None:
+        taken = -1
         for message in source.due(nanoseconds):
-            self._step_jogging(message.time - 1)
+            if message.time > taken:  # what an earlier message of this instant has begun starts after it
+                self._step_jogging(message.time - 1)
+            taken = message.time
             if message.topic in GUIDES[Guide.PERSON]:
                 self._jog(message)
             else:
