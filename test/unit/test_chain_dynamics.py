@@ -11,14 +11,13 @@ from robots_core.kernels.chain_dynamics import (
     fill_dynamics,
     fill_torques,
 )
-from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 
 
 @pytest.mark.parametrize('name', available_robot_models())
 def test_mass_matrix_and_bias_are_the_robots(name: str) -> None:
     robot = load_robot_model(name)
-    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    dynamics = ChainDynamics.of(robot)
     assert dynamics is not None
     rng = np.random.default_rng(6)
     for _ in range(20):
@@ -34,7 +33,7 @@ def test_mass_matrix_and_bias_are_the_robots(name: str) -> None:
 def test_weight_and_torques_are_the_robots(name: str) -> None:
     robot = load_robot_model(name)
     n = robot.num_axes
-    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    dynamics = ChainDynamics.of(robot)
     assert dynamics is not None
     q, q_dot, q_ddot = np.random.default_rng(7).uniform(-2.0, 2.0, (3, n))
     M, bias, weight, tau = np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n)
@@ -56,7 +55,7 @@ def test_a_robot_with_more_than_its_bodies_keeps_its_own_dynamics(monkeypatch: p
         return M @ q_ddot + tau_aux, M, tau_aux
 
     monkeypatch.setattr(robot, 'rigid_dynamics', with_rotors)
-    assert ChainDynamics.of(robot, SerialChain.of(robot)) is None
+    assert ChainDynamics.of(robot) is None
     ik = ConstrainedInverseKinematics(robot, 0.004)
     r, T = robot.direct_kinematics(robot.home)
     step = ik.step(Pose(r + 0.1, T), robot.home, np.zeros(robot.num_axes))

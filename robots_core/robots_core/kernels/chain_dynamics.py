@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -57,9 +59,22 @@ class ChainDynamics:
     gravity: Array
 
     @classmethod
-    def of(cls, robot: BaseRobotModel, chain: SerialChain) -> ChainDynamics | None:
-        """The dynamics of a robot; None if its `rigid_dynamics` has terms besides its bodies and gravity."""
-        n = robot.num_axes
+    def of(cls, robot: BaseRobotModel) -> ChainDynamics | None:
+        """The dynamics of a robot, made and checked once for each.
+
+        Returns:
+            None if its `rigid_dynamics` has terms besides its bodies and gravity.
+
+        Raises:
+            InvalidInputError: the robot is no chain, see `SerialChain.of`.
+        """
+        if robot not in _DYNAMICS:
+            _DYNAMICS[robot] = cls._checked(robot)
+        return _DYNAMICS[robot]
+
+    @classmethod
+    def _checked(cls, robot: BaseRobotModel) -> ChainDynamics | None:
+        chain, n = SerialChain.of(robot), robot.num_axes
         model = robot.rigid_dynamics_model
         r, T = robot.kinematic_model.frame_axes(np.zeros(n))
         masses, levers, inertias = model.masses[1:], model.centers_of_mass[1:], model.inertias[1:]
@@ -94,13 +109,16 @@ class ChainDynamics:
         return M, bias
 
 
+_DYNAMICS: Final[WeakKeyDictionary[BaseRobotModel, ChainDynamics | None]] = WeakKeyDictionary()
+
+
 def chain_dynamics_of(robot: BaseRobotModel) -> ChainDynamics:
     """The dynamics of a robot.
 
     Raises:
         InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
     """
-    found = ChainDynamics.of(robot, SerialChain.of(robot))
+    found = ChainDynamics.of(robot)
     if found is None:
         raise InvalidInputError(
             f'the rigid_dynamics of robot {robot.name!r} are not those of the masses and inertias of its '

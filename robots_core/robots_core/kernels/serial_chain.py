@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import atan2, cos, sin, sqrt
+from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,19 +59,22 @@ class SerialChain:
 
     @classmethod
     def of(cls, robot: BaseRobotModel, tool: Pose | None = None) -> SerialChain:
-        """The chain of a robot that carries a tool.
+        """The chain of a robot that carries a tool; one without is made and checked once for each robot.
 
         Raises:
             InvalidInputError: the robot's `direct_kinematics` is not that of a chain of single axes.
         """
-        zero = np.zeros(robot.num_axes)
-        tool = Pose.identity() if tool is None else tool
-        tool0 = Pose(*robot.direct_kinematics(zero))
-        chain = cls.at_zero(tool0, robot.jacobian(zero), robot.axes_data.prismatic)
-        tip = tool0 @ tool
-        chain = replace(chain, r=read_only(tip.r), T=read_only(tip.T))
-        _check(chain, robot, tool)
-        return chain
+        chain = _CHAINS.get(robot)
+        if chain is None:
+            zero = np.zeros(robot.num_axes)
+            tool0 = Pose(*robot.direct_kinematics(zero))
+            chain = cls.at_zero(tool0, robot.jacobian(zero), robot.axes_data.prismatic)
+            _check(chain, robot)
+            _CHAINS[robot] = chain
+        if tool is None:
+            return chain
+        tip = Pose(chain.r, chain.T) @ tool
+        return replace(chain, r=read_only(tip.r), T=read_only(tip.T))
 
     @classmethod
     def at_zero(cls, tool0: Pose, J: Array, prismatic: Sequence[bool]) -> SerialChain:
@@ -106,11 +111,14 @@ class SerialChain:
         return Pose(r, T)
 
 
-def _check(chain: SerialChain, robot: BaseRobotModel, tool: Pose) -> None:
+_CHAINS: Final[WeakKeyDictionary[BaseRobotModel, SerialChain]] = WeakKeyDictionary()
+
+
+def _check(chain: SerialChain, robot: BaseRobotModel) -> None:
     axes = robot.axes_data
     low, high = axes.one_turn
     for q in np.random.default_rng(0).uniform(low, high, (PROBES, axes.num_axes)):
-        expected, found = Pose(*robot.direct_kinematics(q)) @ tool, chain.forward(q)
+        expected, found = Pose(*robot.direct_kinematics(q)), chain.forward(q)
         off = max(np.abs(found.r - expected.r).max(), np.abs(found.T - expected.T).max())
         if not off <= CHAIN_TOLERANCE * (1.0 + np.linalg.norm(expected.r)):
             raise InvalidInputError(

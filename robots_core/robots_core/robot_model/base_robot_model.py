@@ -21,7 +21,9 @@ class BaseRobotModel(ABC):
 
     Everything robot specific is behind this interface, so that every block works with any robot.
     Plugins register a class or a function without arguments under the entry-point group
-    `robots_core.robot_models`. An instance keeps scratch memory: use one per thread.
+    `robots_core.robot_models`. An instance keeps scratch memory: use one per thread. Its figures do not
+    change, and blocks keep what they compute of them; instances are compared by identity (of a dataclass:
+    `eq=False`).
     """
 
     @property

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import numpy as np
 
 from robots_core.errors import InvalidInputError, PlanningError
@@ -16,7 +14,6 @@ from robots_core.kernels.chain_dynamics import (
     fill_torques,
 )
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.serial_chain import SerialChain
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
@@ -81,17 +78,12 @@ class TorqueLimits:
         )
 
 
-_DYNAMICS: WeakKeyDictionary[BaseRobotModel, ChainDynamics | None] = WeakKeyDictionary()
-
-
 def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
-    """The robot's dynamics for compiled code, cached; None if only its own methods compute them."""
-    if robot not in _DYNAMICS:
-        try:
-            _DYNAMICS[robot] = ChainDynamics.of(robot, SerialChain.of(robot))
-        except InvalidInputError:
-            _DYNAMICS[robot] = None
-    return _DYNAMICS[robot]
+    """The robot's dynamics for compiled code; None if only its own methods compute them."""
+    try:
+        return ChainDynamics.of(robot)
+    except InvalidInputError:
+        return None
 
 
 @compiled()

@@ -106,7 +106,7 @@ class ConstrainedInverseKinematics:
         self._options = np.array([dt, gain, *weights])
         chain = SerialChain.of(robot, tool)
         self._fixed = (chain.arrays, self._limits, self._options, redundancy_arrays(redundancy, axes))
-        dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+        dynamics = ChainDynamics.of(robot)
         self._dynamics = () if dynamics is None else (dynamics.arrays,)
         self._names = axes.names
         self._shape = (axes.num_axes,)
@@ -184,7 +184,7 @@ def braking_deceleration(robot: BaseRobotModel) -> Array:
     states at up to full speed; each axis may brake or have stopped already. Those of the last robots are
     kept: blocks that share a process brake the same robot.
     """
-    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    dynamics = ChainDynamics.of(robot)
     if dynamics is None:
         return _sampled_braking(robot, lambda q, q_dot: robot.rigid_dynamics(q, q_dot, np.zeros_like(q))[1:])
     axes = robot.axes_data
