@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chaos.judgement import OBSERVED, OUTPUTS_SAFE, REACTION, FaultFigures, judge
+from chaos.judgement import OBSERVED, ON_PATH, OUTPUTS_SAFE, REACTION, FaultFigures, judge
 from chaos.kept_faults import KeptFaults
 from chaos.recording import JointSamples, Recording
 from chaos.summary import Fault, closing_line, missed_goals, summary
@@ -103,7 +103,9 @@ def test_without_a_node_that_only_shows_the_robot_goes_on(node: str) -> None:
 
 def test_a_robot_that_stood_need_not_stop() -> None:
     standing = motion(-1.0)
-    figures = judge(recording(references=standing, feedback=standing, latched=np.inf), ROBOT)
+    figures = judge(
+        recording(references=standing, feedback=standing, latched=np.inf, path=standing.position), ROBOT
+    )
     assert not figures.stops
     assert missed_goals(figures) == []
 
@@ -137,6 +139,12 @@ def test_the_distance_from_the_path_is_that_of_the_flange() -> None:
     figures = judge(recording(feedback=replace(samples, position=off)), ROBOT)
     moved = ROBOT.direct_kinematics(off[-1])[0] - ROBOT.direct_kinematics(samples.position[-1])[0]
     assert figures.deviation == pytest.approx(float(np.linalg.norm(moved)), rel=1e-3)
+
+
+@pytest.mark.parametrize(('node', 'missed'), [('planning_node', ['path']), ('drive_node', [])])
+def test_a_robot_leaves_its_path_only_without_its_drives_or_controller(node: str, missed: list[str]) -> None:
+    figures = replace(judge(recording(node=node), ROBOT), deviation=2.0 * ON_PATH)
+    assert missed_goals(figures) == missed
 
 
 def test_a_step_of_the_references_is_a_broken_limit_and_a_gap_between_them_is_none() -> None:

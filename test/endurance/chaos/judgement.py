@@ -14,6 +14,9 @@ from .recording import JointSamples, Recording
 
 STOPPING: Final = ('drive_node', 'controller_node', 'planning_node', 'lua_program_node', 'collision_node')
 """Nodes whose loss stops a robot that moves; others only show, or are watched by the PLC."""
+OFF_PATH: Final = ('drive_node', 'controller_node')
+"""Nodes without which the robot cannot stop on its path."""
+ON_PATH: Final = 2e-3  # m from the path, with any other node lost: a goal; drives lag behind around corners
 REACTION: Final = 0.2  # s after the watchdog, in which the robot begins to brake: a goal
 OUTPUTS_SAFE: Final = 0.3  # s after the fault: a goal
 STANDING: Final = 1e-3  # of the velocity limits; drives come to rest asymptotically
@@ -34,6 +37,7 @@ class FaultFigures:
         stands: When it stood, s after the fault; infinite for never; NaN where it need not stop.
         braking: How much of that it braked, s.
         deviation: How far the flange left its path until then, m.
+        on_path: It had to stay on its path.
         outputs_safe: When all outputs were safe, s after the fault; infinite for never, NaN where none
             need be, or nobody is left who could write them.
         problems: Limits that were broken, and motions that nobody commanded, a line each.
@@ -45,6 +49,7 @@ class FaultFigures:
     stands: float
     braking: float
     deviation: float
+    on_path: bool
     outputs_safe: float
     problems: tuple[str, ...]
     usable: bool
@@ -72,6 +77,7 @@ def judge(recording: Recording, robot: BaseRobotModel) -> FaultFigures:
         stands=stands,
         braking=_braking(recording, robot, stands) if stops else np.nan,
         deviation=_deviation(recording, witness.between(0.0, until), robot),
+        on_path=recording.node not in OFF_PATH,
         outputs_safe=_outputs_safe(recording) if _outputs_count(recording, stops=stops) else np.nan,
         problems=(*_broken(recording, robot), *_unasked(recording, stands)),
         usable=recording.running or recording.moved < np.inf,

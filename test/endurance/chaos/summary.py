@@ -10,7 +10,7 @@ import numpy as np
 from robots_controller.report.tables import ReportTable, Row
 from robots_controller.terminal_table import Kind
 
-from .judgement import OUTPUTS_SAFE, REACTION, FaultFigures
+from .judgement import ON_PATH, OUTPUTS_SAFE, REACTION, FaultFigures
 
 COLUMNS: Final[tuple[tuple[str, Kind], ...]] = (
     ('in', 'text'),
@@ -51,6 +51,8 @@ def missed_goals(figures: FaultFigures) -> list[str]:
     missed = []
     if figures.stops and not figures.late <= 0.0:
         missed.append('stands')
+    if figures.on_path and figures.deviation > ON_PATH:
+        missed.append('path')
     if not np.isnan(figures.outputs_safe) and figures.outputs_safe > OUTPUTS_SAFE:
         missed.append('outputs')
     if figures.problems:
@@ -93,8 +95,9 @@ def summary(faults: Sequence[Fault]) -> ReportTable:
         )
     title = (
         f'Median and worst of faults. Goals: stands at most {REACTION:g} s after the watchdog and its '
-        f'braking, outputs safe within {OUTPUTS_SAFE:g} s, no limit broken, no motion that nobody commanded, '
-        f'usable by reset, open and run'
+        f'braking, within {1e3 * ON_PATH:g} mm of its path with drives and controller, outputs safe within '
+        f'{OUTPUTS_SAFE:g} s, no limit broken, no motion that nobody commanded, usable by reset, open '
+        f'and run'
     )
     return ReportTable(title, COLUMNS, tuple(rows))
 

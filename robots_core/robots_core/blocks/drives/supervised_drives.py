@@ -20,9 +20,12 @@ MAX_EXTRAPOLATED: Final = 5
 NEAR_PERIODS: Final = 2.0  # at the velocity limits
 # Part of the velocity limits: below it drives stand, and their brakes close.
 STANDING: Final = 0.01
-# Of the deceleration, for the approach to a reference that has moved on meanwhile.
+# Drives that catch up may accelerate by this part of the limits more: a reference that brakes as hard as they
+# permit could not be reached without running past it otherwise. So large, one missing reference is made good
+# in the next period.
+RESERVE: Final = 1.0
+# Of this reserve, for the approach to a reference.
 APPROACH_SHARE: Final = 0.8
-JOINED: Final = 1e-6  # rad, m
 REFUSED: Final = 'reference refused'
 
 
@@ -40,10 +43,10 @@ class SupervisedDrives:
 
     The brakes open for a reference that stands where the robot stands. From then on the drives follow as long
     as the references, at the times of their stamps, keep the limits of velocity and acceleration; others are
-    refused (`ReferenceCheck`). What reaches the drives keeps these limits too: a reference that cannot be
-    reached within this period, as after messages that were lost or late, is caught up with. Without
-    references, and when they are switched off, the drives ramp down inside the acceleration limits, and their
-    brakes close after the timeout; with references that come back meanwhile they catch up.
+    refused (`ReferenceCheck`). A reference that is missing is extrapolated; the next one is caught up with,
+    inside the velocity limits and with `RESERVE` more than the acceleration limits. Without references, and
+    when they are switched off, the drives ramp down inside the acceleration limits, and their brakes close
+    after the timeout; with references that come back meanwhile they catch up.
 
     Args:
         drives: The drives, at rest.
@@ -69,6 +72,7 @@ class SupervisedDrives:
         self._near = NEAR_PERIODS * period * axes.velocity
         self._fastest = axes.velocity * (1.0 + TOLERANCE)
         self._hardest = axes.acceleration * (1.0 + TOLERANCE)
+        self._with_reserve = (1.0 + RESERVE) * self._hardest
         self._on = True
         self._check = ReferenceCheck(axes, period=period, timeout=timeout)
         # What the drives are given; the mean velocity is that of the last period.
@@ -216,10 +220,10 @@ class SupervisedDrives:
         self._mean = self._q_dot
 
     def _reaches(self, q: Array) -> bool:
-        """The limits permit the axes to be there at the end of this period."""
+        """The limits, with the reserve, permit the axes to be there at the end of this period."""
         mean = (q - self._q) / self._period
         acceleration = (mean - self._mean) / self._period
-        inside = (np.abs(mean) <= self._fastest) & (np.abs(acceleration) <= self._hardest)
+        inside = (np.abs(mean) <= self._fastest) & (np.abs(acceleration) <= self._with_reserve)
         return bool(inside.all())
 
     @property
@@ -250,23 +254,26 @@ class SupervisedDrives:
         self.problem = self.problem or ('the references have ended' if self._on else 'switched off')
 
     def _catch_up(self, q: Array, q_dot: Array) -> None:
-        """Approach a reference that moves, inside the limits."""
+        """Approach a reference that moves, inside the limits and the reserve."""
+        if self._joins(q, q_dot):
+            self.state = DriveState.FOLLOWING
+            self._move(q, q_dot)
+            return
         self.state = DriveState.CATCHING_UP
         axes, dt, before = self._axes, self._period, self._before
-        most = dt * axes.acceleration
+        most = dt * (1.0 + RESERVE) * axes.acceleration
         error = q - self._q - 0.5 * dt * (before + q_dot)
         far = np.abs(error)
-        towards = np.minimum(0.5 * far / dt, np.sqrt(2.0 * APPROACH_SHARE * axes.acceleration * far))
+        rate = APPROACH_SHARE * RESERVE * axes.acceleration
+        towards = np.minimum(0.5 * far / dt, np.sqrt(2.0 * rate * far))
         wanted = q_dot + np.copysign(towards, error)
         velocity = np.clip(np.clip(wanted, before - most, before + most), -axes.velocity, axes.velocity)
         position = self._inside(self._q + 0.5 * dt * (before + velocity))
-        if (np.abs(q - position) <= JOINED).all() and self._joins(q, q_dot):
-            self.state, position, velocity = DriveState.FOLLOWING, q, q_dot
         self._move(position, velocity)
 
     def _joins(self, q: Array, q_dot: Array) -> bool:
         """The next reference can be reached too, if it keeps the limits."""
-        most = 0.5 * self._period * self._hardest
+        most = 0.5 * self._period * self._with_reserve
         return self._reaches(q) and bool((np.abs(q_dot - (q - self._q) / self._period) <= most).all())
 
     def _inside(self, q: Array) -> Array:
