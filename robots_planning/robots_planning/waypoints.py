@@ -1,7 +1,9 @@
 """Trajectories of others: from waypoints with times to a Trajectory."""
 
+from importlib import import_module
+from types import ModuleType
+
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
@@ -58,7 +60,7 @@ def trajectory_through(
     t = np.concatenate([[0.0], time])
     q = np.concatenate([start[None], position])
     if velocity is None:
-        spline = CubicSpline(t, q, bc_type='clamped')
+        spline = _interpolate().CubicSpline(t, q, bc_type='clamped')
         v, a = spline(t, 1), spline(t, 2)
         v[[0, -1]] = 0.0  # except for rounding
     else:
@@ -84,9 +86,13 @@ def positions_from_velocities(time: Array, velocity: Array, start: Array) -> Arr
     return positions
 
 
+def _interpolate() -> ModuleType:
+    return import_module('scipy.interpolate')  # imported on demand: most nodes get no such trajectories
+
+
 def _accelerations(t: Array, q: Array, v: Array) -> Array:
     """Means of the accelerations that the cubics on both sides of a waypoint have there."""
-    spline = CubicHermiteSpline(t, q, v, axis=0)
+    spline = _interpolate().CubicHermiteSpline(t, q, v, axis=0)
     after = spline(t, 2)
     before = spline(np.nextafter(t, 0.0), 2)
     mean: Array = 0.5 * (before + after)

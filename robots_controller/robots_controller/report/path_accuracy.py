@@ -1,9 +1,9 @@
 """Path accuracy: how far points are from a path of points, references from lines and targets."""
 
+from importlib import import_module
 from typing import Final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.recorded_run import RecordedRun
@@ -21,7 +21,8 @@ def distance_to_path(points: Array, path: Array) -> Array:
 
     The path is straight between its points.
     """
-    near = cKDTree(path).query(points, k=min(NEIGHBOURS, len(path)))[1].reshape(len(points), -1)
+    tree = import_module('scipy.spatial').cKDTree(path)  # imported on demand: of two runs that are compared
+    near = tree.query(points, k=min(NEIGHBOURS, len(path)))[1].reshape(len(points), -1)
     best = np.linalg.norm(points - path[near[:, 0]], axis=1)
     if len(path) < 2:
         return np.asarray(best)

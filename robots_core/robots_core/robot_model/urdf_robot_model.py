@@ -25,6 +25,7 @@ from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
+from robots_core.robot_model.urdf.kept_shapes import kept_shapes
 from robots_core.robot_model.urdf.named_base import note_other_base
 from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_chain import UrdfChain, pinocchio_xml, read_urdf_chain
@@ -290,10 +291,13 @@ class UrdfRobotModel(BaseRobotModel):
         return self._analytic_solver.solve(r, T, q_near)
 
     def _shapes(self, kind: Literal['visual', 'collision'], *, hulls: bool = False) -> tuple[Shape, ...]:
-        # Imported on demand: without shapes no mesh library is needed.
-        urdf_shapes = import_module('robots_core.robot_model.urdf.urdf_shapes').urdf_shapes
-        shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind, hulls=hulls)
-        return shapes
+        def read() -> tuple[Shape, ...]:
+            # Imported on demand: without new shapes no mesh library is needed.
+            urdf_shapes = import_module('robots_core.robot_model.urdf.urdf_shapes').urdf_shapes
+            shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind, hulls=hulls)
+            return shapes
+
+        return kept_shapes(self._description, read, kind, hulls)
 
     @cached_property
     def _analytic_solver(self) -> AnalyticSolver:

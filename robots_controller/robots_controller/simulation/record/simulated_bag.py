@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Connection
-from scipy.spatial.transform import Rotation
 
 from robots_controller.recording.bag_qos import bag_qos_of
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
@@ -18,6 +17,7 @@ from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.simulation.simulated_clock import START
 from robots_core.errors import BagError, RobotsError
+from robots_core.orientation import quaternions_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
@@ -151,7 +151,7 @@ class SimulatedBag:
 
     def _tcp_poses(self, positions: Array) -> list[Array]:
         r, T = self._robot.tool_poses(positions)
-        return [np.hstack([r, Rotation.from_matrix(T).as_quat(canonical=True)])]
+        return [np.hstack([r, quaternions_of(T)])]
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
+from types import ModuleType
 
 import numpy as np
-import trimesh
-from numpy.typing import NDArray
 
 from robots_core.blocks.collision.distances.farthest_vertices import MANY, Indices, farthest_vertices
 from robots_core.pose import Pose
@@ -98,7 +98,7 @@ class Solid:
         """The surface encloses a volume."""
         if not isinstance(self.geometry, Mesh):
             return True
-        return bool(trimesh.Trimesh(self.geometry.vertices, self.geometry.faces, process=False).is_watertight)
+        return bool(_mesh_pieces().is_closed(self.geometry))
 
     def encloses(self, point: Array) -> bool:
         """Whether a point (3,), in the surface's own frame, is inside a closed surface.
@@ -121,21 +121,10 @@ def solids_of(name: str, geometry: Geometry, frame: int, pose: Pose) -> tuple[So
     """A geometry as solids: a mesh is split into its connected pieces; a convex piece becomes its hull."""
     if not isinstance(geometry, Mesh):
         return (Solid(name, geometry, frame, pose),)
-    mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=True)
-    mesh.update_faces(mesh.nondegenerate_faces())
-    pieces = trimesh.graph.connected_components(
-        mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), engine='scipy'
-    )
-    return tuple(_piece(name, mesh, faces, frame, pose) for faces in pieces)
+    pieces: list[tuple[Mesh, bool]] = _mesh_pieces().pieces_of(geometry)
+    return tuple(Solid(name, piece, frame, pose, convex) for piece, convex in pieces)
 
 
-def _piece(name: str, mesh: trimesh.Trimesh, chosen: NDArray[np.int64], frame: int, pose: Pose) -> Solid:
-    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
-    surface = Mesh(mesh.vertices[used], faces.reshape(-1, 3))
-    piece = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
-    spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False)
-    if piece.is_watertight and spread.min() > FLAT * spread.max():
-        hull = trimesh.convex.convex_hull(piece)
-        if abs(piece.volume) >= (1.0 - HULL_EXCESS) * hull.volume:
-            return Solid(name, Mesh(np.asarray(hull.vertices), np.asarray(hull.faces)), frame, pose)
-    return Solid(name, surface, frame, pose, convex=False)
+def _mesh_pieces() -> ModuleType:
+    # Imported on demand: a robot whose pieces are kept, and a scene without meshes, need no trimesh.
+    return import_module('robots_core.blocks.collision.mesh_pieces')

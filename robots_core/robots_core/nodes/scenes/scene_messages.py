@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,6 @@ from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Sc
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere, drawable_colour
-from robots_core.robot_model.urdf.mesh_file import read_mesh
-from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 from robots_core.ros.messages import pose_from_message, pose_message
 from robots_core.validation import Array
@@ -102,7 +101,10 @@ def _geometry(marker: Marker, name: str) -> Geometry:
                 )
             return Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
         case Marker.MESH_RESOURCE:
-            return read_mesh(mesh_path(marker.mesh_resource, Path()), (x, y, z))
+            # Imported on demand, as below: most scenes need no library for meshes.
+            mesh_file = import_module('robots_core.robot_model.urdf.mesh_file')
+            mesh: Mesh = mesh_file.read_mesh(mesh_path(marker.mesh_resource, Path()), (x, y, z))
+            return mesh
     raise InvalidInputError(
         f'object {name!r} is a marker of type {marker.type}; solids are CUBE, SPHERE, CYLINDER, '
         f'TRIANGLE_LIST and MESH_RESOURCE'
@@ -120,7 +122,8 @@ def _set_geometry(marker: Marker, geometry: Geometry) -> None:
             marker.type, size = Marker.CYLINDER, (2.0 * radius, 2.0 * radius, length)
         case Capsule() | Mesh():
             marker.type = Marker.TRIANGLE_LIST
-            marker.points = [_point(corner) for corner in triangle_mesh(geometry).triangles.reshape(-1, 3)]
+            mesh = import_module('robots_core.robot_model.urdf.triangle_mesh').triangle_mesh(geometry)
+            marker.points = [_point(corner) for corner in mesh.triangles.reshape(-1, 3)]
     marker.scale.x, marker.scale.y, marker.scale.z = map(float, size)
 
 
