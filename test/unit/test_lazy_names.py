@@ -6,6 +6,7 @@ import sys
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from pkgutil import walk_packages
 from subprocess import run
 from types import ModuleType
@@ -16,6 +17,7 @@ import robots_core
 import robots_core.blocks
 import robots_planning
 
+WELDING = Path(__file__).parents[2] / 'programs' / 'welding.lua'
 PACKAGES = (robots_core, robots_core.blocks, robots_planning)
 # Reading meshes, SciPy and compiled functions take most of the time that a process needs to start.
 MESHES = ('trimesh', 'yourdfpy', 'networkx')
@@ -128,6 +130,21 @@ def test_a_line_of_the_tool_is_planned_without_scipy():
         'robot = load_robot_model("kuka_kr210_r2700"); start = robot.home + 0.1;'
         'r, T = robot.direct_kinematics(start);'
         'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T));'
+        f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
+    )
+    assert printed(program) == []
+
+
+def test_a_program_is_simulated_and_recorded_without_scipy_and_meshes(tmp_path: Path):
+    # What is computed from the meshes is kept from then on.
+    printed(
+        'from robots_core import load_robot_model; from robots_core.blocks import CollisionDetection;'
+        'CollisionDetection(load_robot_model("kuka_kr210_r2700"))'
+    )
+    program = (
+        'import sys; from pathlib import Path; from robots_controller.simulate import simulate;'
+        f'bag = Path({str(tmp_path)!r}) / "bag";'
+        f'simulate({str(WELDING)!r}, robot="kuka_kr210_r2700", bag=bag);'
         f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
     assert printed(program) == []
