@@ -28,10 +28,13 @@ def twists(topic: str, frame: str, duration: float = 0.6) -> list[Row]:
     return [(time + DELAY, topic, BUILD.twist_stamped(stamp(time), twist, frame)) for time in times(duration)]
 
 
+def car_header(time: float) -> Any:
+    """The header of a message of a car, at a time in s."""
+    stamp = BAG_TYPES.types['builtin_interfaces/msg/Time'](*divmod(round(1e9 * time), 1_000_000_000))
+    return BAG_TYPES.types['std_msgs/msg/Header'](stamp, 'car')
+
+
 def joy(time: float, steering: float, pedal: float) -> Row:
     """A joystick by which a person drives a vehicle."""
-    header = BAG_TYPES.types['std_msgs/msg/Header'](
-        BAG_TYPES.types['builtin_interfaces/msg/Time'](*divmod(round(1e9 * time), 1_000_000_000)), 'car'
-    )
     axes, none = np.array([steering, pedal], np.float32), np.zeros(0, np.int32)
-    return time, '/joy', BAG_TYPES.types['sensor_msgs/msg/Joy'](header, axes, none)
+    return time, '/joy', BAG_TYPES.types['sensor_msgs/msg/Joy'](car_header(time), axes, none)

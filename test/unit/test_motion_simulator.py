@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from guiding_messages import joy
+from guiding_messages import car_header, joy
 from motion_simulator.double_lane_change import DoubleLaneChange
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin, reasons
 from motion_simulator.references import IMU_RATE, lane_change, recorded, write
@@ -111,16 +111,11 @@ def test_the_manoeuvre_stays_inside_the_envelope(cabin: str) -> None:
     assert used.max() < 1.0
 
 
-def stamped(time: float) -> Any:
-    stamp = T['builtin_interfaces/msg/Time'](*divmod(round(1e9 * time), 1_000_000_000))
-    return T['std_msgs/msg/Header'](stamp, 'car')
-
-
 def imu(time: float, force: list[float]) -> tuple[float, str, Any]:
     vector, quaternion, none = T['geometry_msgs/msg/Vector3'], T['geometry_msgs/msg/Quaternion'], np.zeros(9)
     level = quaternion(0.0, 0.0, 0.0, 1.0)
     message = T['sensor_msgs/msg/Imu'](
-        stamped(time), level, none, vector(0.0, 0.0, 0.1), none, vector(*force), none
+        car_header(time), level, none, vector(0.0, 0.0, 0.1), none, vector(*force), none
     )
     return time, '/car/imu', message
 

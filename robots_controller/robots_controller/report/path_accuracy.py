@@ -21,7 +21,7 @@ def distance_to_path(points: Array, path: Array) -> Array:
 
     The path is straight between its points.
     """
-    tree = import_module('scipy.spatial').cKDTree(path)  # imported on demand: of two runs that are compared
+    tree = import_module('scipy.spatial').cKDTree(path)  # on demand: only reports of motions need it
     near = tree.query(points, k=min(NEIGHBOURS, len(path)))[1].reshape(len(points), -1)
     best = np.linalg.norm(points - path[near[:, 0]], axis=1)
     if len(path) < 2:
