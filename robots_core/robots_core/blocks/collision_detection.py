@@ -132,11 +132,12 @@ class CollisionDetection:
         """
         near = self.robot.num_axes - NEAR_AXES
         doubtful = [(i, j) for i, j in pairs if solids[j].name in held and solids[i].frame >= max(near, 1)]
-        table = SolidSet(self.robot, solids, np.array(doubtful, dtype=np.int64).reshape(-1, 2))
-        names = [(solids[i].name, solids[j].name) for i, j in doubtful]
-        apart = proven_apart(table, self.robot, names, NEAR_BUDGET)
-        left = [(i, j) for i, j in pairs if (solids[i].name, solids[j].name) not in apart]
-        return SolidSet(self.robot, solids, np.array(left, dtype=np.int64).reshape(-1, 2))
+        if doubtful:
+            table = SolidSet(self.robot, solids, np.array(doubtful, dtype=np.int64))
+            names = [(solids[i].name, solids[j].name) for i, j in doubtful]
+            apart = proven_apart(table, self.robot, names, NEAR_BUDGET)
+            pairs = [(i, j) for i, j in pairs if (solids[i].name, solids[j].name) not in apart]
+        return SolidSet(self.robot, solids, np.array(pairs, dtype=np.int64).reshape(-1, 2))
 
     def _check_names(self, scene: Scene) -> None:
         shapes = {solid.name for solid in self._body}
