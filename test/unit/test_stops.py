@@ -193,11 +193,12 @@ def test_feedback_lost_on_the_way_ramps_down_on_the_path_and_then_brakes(rig: Ri
     rig.check_path_and_limits()
 
 
-def test_frozen_feedback_is_found_before_the_following_error(rig: Rig) -> None:
+@pytest.mark.parametrize('looked_at_every', [1, 5])
+def test_frozen_feedback_is_found_before_the_following_error(rig: Rig, looked_at_every: int) -> None:
     rig.move()
     frozen = rig.q.copy()
-    for _ in range(40):
-        rig.step(frozen)
+    for period in range(40):
+        rig.step(frozen, lost=period % looked_at_every > 0)
     assert rig.controller.stops.state.fault is Fault.FEEDBACK_FROZEN
     assert 'A1 has not changed while its reference moved by 0.1' in rig.controller.stops.state.reason
 

@@ -288,28 +288,22 @@ class InProcessCell:
         Returns:
             How many have passed: it ends early if the controller has to act on the feedback.
         """
-        controller, looks = self.controller, self.rates.feedback_every(self.controller)
-        writes = math.inf if self.holding else self.rates.progress_every
-        references, position = [controller.reference, *span.references], self._position
-        well, passed = True, 0
-        while well and passed < len(span):
-            begin = passed  # the drives move until the controller looks at their feedback again
-            while passed < len(span):
-                cycle = self.cycle + 1
-                due = cycle % looks == 0
-                if due and passed > begin:
+        looks = self.rates.feedback_every(self.controller)
+        passed, position = 0, self._position
+        while passed < len(span):
+            first = self.cycle + 1
+            if first % looks == 0:
+                self.clock.nanoseconds = first * self._period_ns
+                before = span.references[passed - 1] if passed else self.controller.reference
+                assert before is not None
+                if not self.controller.look(self.clock.now(), position, before):
                     break
-                self.clock.nanoseconds = cycle * self._period_ns
-                reference = references[passed]
-                assert reference is not None
-                well = controller.look(self.clock.now(), position if due else None, reference)
-                if not well:
-                    break
-                if cycle % writes == 0:
-                    self.log.progress(float(span.progress[passed]))
-                self.cycle, passed = cycle, passed + 1
-            if passed > begin:
-                position = move(slice(begin, passed))
+            # The drives move until the controller looks at their feedback again.
+            end = min(passed + looks - first % looks, len(span))
+            if not self.holding:
+                self._report_progress(span.progress[passed:end])
+            position = move(slice(passed, end))
+            self.cycle, passed = self.cycle + end - passed, end
         self.clock.nanoseconds = self.cycle * self._period_ns
         if passed:
             self.control.follow_span(span.first(passed), self.clock.now())
@@ -346,6 +340,13 @@ class InProcessCell:
         return self.clock.deadline_stamp if self.clock.waiting else math.inf
 
     # -- inside -----------------------------------------------------------------------------------
+
+    def _report_progress(self, progress: Array) -> None:
+        """Report the progress after some of the next periods, where a report is due."""
+        first, every = self.cycle + 1, self.rates.progress_every
+        for k in range(-first % every, len(progress), every):
+            self.clock.nanoseconds = (first + k) * self._period_ns
+            self.log.progress(float(progress[k]))
 
     def _start(self) -> None:
         self._started = self.running = True

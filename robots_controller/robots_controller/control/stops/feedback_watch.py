@@ -72,10 +72,9 @@ class FeedbackWatch:
         """
         if feedback is None and now - self._looked < self._interval:
             return None
-        step, self._looked = min(now - self._looked, self._settings.feedback_timeout / LOOKS), now
+        self._looked, timeout = now, self._settings.feedback_timeout
         lost = self._watchdog.look(now, alive=feedback is not None)
         if feedback is None:
-            timeout = self._settings.feedback_timeout
             reason = f'no feedback for {timeout:g} s: is the drive still running?'
             return (Fault.FEEDBACK_LOST, reason) if lost else None
         finding = None
@@ -85,7 +84,7 @@ class FeedbackWatch:
             change = np.abs(feedback - self.position)
             finding = (
                 self._jumped(now, change)
-                or self._frozen(change, reference[0], step)
+                or self._frozen(change, reference[0], min(now - self.time, timeout / LOOKS))
                 or self._behind(np.abs(feedback - reference[0]))
             )
         self.position, self.time = feedback, now
