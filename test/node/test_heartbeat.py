@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
+from robots_core.ros.running.executor_watch import ExecutorWatch
+from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.timed_node import TimedNode
 
 LONG = 60.0  # s
@@ -31,3 +34,34 @@ def test_a_node_that_was_started_anew_was_lost_although_nobody_has_missed_it(ros
     assert changes == [('drive', 'drive has died and was started anew'), ('drive', '')]
     assert seen == ['drive']
     assert watch.lost == ()
+
+
+def test_a_node_whose_callback_does_not_return_is_lost_until_it_does(ros_nodes: Any) -> None:
+    watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
+    watch = HeartbeatWatch(watcher, ['planner'], 0.2, lambda *_: None)
+    ended, returns, hung = threading.Event(), threading.Event(), threading.Event()
+    executor = LeanExecutor(context=ros_nodes.context)
+    node = TimedNode('planner', context=ros_nodes.context)
+    executor.add_node(node)
+
+    def spin() -> None:
+        while not ended.is_set():
+            executor.spin_once(0.02)
+
+    thread = threading.Thread(target=spin)
+    thread.start()
+    heartbeat = Heartbeat(node, ExecutorWatch(executor, hung.set, timeout=0.5).look)
+    try:
+        ros_nodes.wait_for(lambda: not watch.unseen, what='the first sign of life')
+        executor.create_task(returns.wait)
+        ros_nodes.wait_for(hung.is_set, what='the end of the signs of life')
+        ros_nodes.wait_for(lambda: watch.lost == ('planner',), what='the loss')
+        returns.set()
+        ros_nodes.wait_for(lambda: watch.lost == (), what='the next sign of life')
+    finally:
+        returns.set()
+        heartbeat.stop()
+        ended.set()
+        thread.join()
+        executor.shutdown()
+        node.destroy_node()

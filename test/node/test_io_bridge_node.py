@@ -10,7 +10,16 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseArray, Wrench
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8, UInt8MultiArray, UInt16MultiArray
+from std_msgs.msg import (
+    Bool,
+    Float32,
+    Float64,
+    Float64MultiArray,
+    UInt8,
+    UInt8MultiArray,
+    UInt16MultiArray,
+    UInt64,
+)
 
 from plant_partners import ModbusPartner
 from robots_controller.io.unknown_inputs import unknown_inputs
@@ -18,8 +27,8 @@ from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.peers.heartbeat import Heartbeat
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.peers.heartbeat import HEARTBEAT, Heartbeat
+from robots_core.ros.qos import COMMAND, STATE, make_publisher
 from robots_core.ros.timed_node import TimedNode
 
 from .bench import EVERY_STATE, MANY, Bench
@@ -171,6 +180,19 @@ def test_outputs_are_fail_safe_when_the_programs_node_is_lost_whoever_publishes_
     heartbeat.stop()
     bench.wait(lambda: words[-1] == [0, 0], 'fail-safe values')
     bench.until_health(DiagnosticStatus.WARN, 'lua_program_node gives no sign of life; digital_output.1 is')
+
+
+def test_outputs_are_fail_safe_when_the_programs_node_dies_before_its_first_sign_of_life(ros_nodes: Any):
+    node = ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context))
+    make_publisher(node, UInt64, f'~/{HEARTBEAT}')
+    bench = Bench(ros_nodes)
+    words = bench.collect('plc/output_words', UInt16MultiArray, read=lambda m: m.data[0])
+    bench.start_node(IoBridgeNode, io_map=str(CONFIG / 'io_map_words.yaml'))
+    bench.publish('analog_outputs', Float64MultiArray(data=[5.0]), STATE)
+    digital = bench.publisher('digital_outputs', UInt8MultiArray, STATE)
+    bench.peer.create_timer(0.02, lambda: digital.publish(UInt8MultiArray(data=[1, 0, 1])))
+    bench.until_health(DiagnosticStatus.WARN, 'lua_program_node gives no sign of life; digital_output.1 is')
+    bench.wait(lambda: words and words[-1] == 0, 'fail-safe values')
 
 
 def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_itself(ros_nodes: Any):

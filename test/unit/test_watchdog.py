@@ -21,7 +21,8 @@ def test_what_falls_silent_is_lost_once_after_the_timeout() -> None:
     watchdog = Watchdog(TIMEOUT)
     assert not any(looks(watchdog, 100, alive=True))
     found = looks(watchdog, 20, alive=False, since=100 * STEP)
-    assert found.index(True) in (LOOKS - 1, LOOKS)  # one more for rounding
+    # The last sign of life came up to one look earlier.
+    assert found.index(True) == LOOKS - 1
     assert sum(found) == 1
     assert watchdog.lost
 
@@ -29,6 +30,16 @@ def test_what_falls_silent_is_lost_once_after_the_timeout() -> None:
 def test_what_was_never_seen_is_not_lost() -> None:
     watchdog = Watchdog(TIMEOUT)
     assert not any(looks(watchdog, 100, alive=False))
+    assert not watchdog.lost
+
+
+def test_what_is_expected_is_lost_without_a_sign_of_life_and_may_come_late() -> None:
+    watchdog = Watchdog(TIMEOUT)
+    watchdog.expect()
+    assert watchdog.seen
+    assert looks(watchdog, 20, alive=False).index(True) in (LOOKS - 1, LOOKS)  # one more for rounding
+    watchdog.look(20 * STEP, alive=True)
+    watchdog.expect()
     assert not watchdog.lost
 
 
@@ -50,17 +61,17 @@ def test_the_time_in_which_nobody_looked_does_not_count() -> None:
 
 def test_silence_counts_by_the_share_of_a_processor() -> None:
     watchdog = Watchdog(TIMEOUT, lambda: 0.25)
-    watchdog.look(0.0, alive=True)
-    found = looks(watchdog, 40, alive=False)
-    # As ever for the first 2 + 1 looks, then a quarter each.
-    assert found.index(True) + 1 in (3 + 4 * (LOOKS - 3), 4 + 4 * (LOOKS - 3))
+    watchdog.look(STEP, alive=True)
+    found = looks(watchdog, 40, alive=False, since=STEP)
+    # As ever for half a look and the first two, then a quarter each; one more for rounding.
+    assert found.index(True) + 1 in (2 + 4 * (LOOKS - 2.5), 3 + 4 * (LOOKS - 2.5))
 
 
 def test_threads_that_run_for_a_moment_are_no_load() -> None:
     shares = cycle([1.0, 0.1])
     watchdog = Watchdog(TIMEOUT, lambda: next(shares))
-    watchdog.look(0.0, alive=True)
-    assert looks(watchdog, 20, alive=False).index(True) in (LOOKS - 1, LOOKS)
+    watchdog.look(STEP, alive=True)
+    assert looks(watchdog, 20, alive=False, since=STEP).index(True) == LOOKS - 1
 
 
 @pytest.mark.parametrize('value', [-0.2, 0.05, 61.0, float('nan'), float('inf')])

@@ -64,7 +64,10 @@ class IoBridgeNode(RobotNode):
         self.create_service(DescribeParameters, '~/describe_io', self._describe)
         self.ready()  # also without a PLC
         self._update_inputs()
-        self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), lambda *_: self._on_outputs())
+        # Outputs that a node leaves behind at once are fail-safe too.
+        self._watch = HeartbeatWatch(
+            self, [WRITER], watchdog_parameter(self), lambda *_: self._on_outputs(), by_discovery=True
+        )
         if self._map.outputs:
             self.create_timer(WATCH_PERIOD, self._on_outputs)
         self._report()

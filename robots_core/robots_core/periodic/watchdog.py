@@ -41,6 +41,11 @@ class Watchdog:
         """It was seen, and then was silent for the timeout."""
         return self._silence is not None and self._silence > self._timeout
 
+    def expect(self) -> None:
+        """What was never seen is there: its silence counts from now on."""
+        if self._silence is None:
+            self._silence = 0.0
+
     def look(self, now: float, *, alive: bool) -> bool:
         """Look, at least `LOOKS` times within the timeout.
 
@@ -53,11 +58,11 @@ class Watchdog:
         """
         step, self._before = min(now - self._before, self._timeout / LOOKS), now
         lost = self.lost
-        if alive:
-            self._silence = self._last_share = 0.0
+        if alive:  # it came between two looks
+            self._silence, self._last_share = 0.5 * step, 0.0
         elif self._silence is not None:
             # To ask for the share takes longer than a look: not between two signs of life of a quiet machine.
-            usual = self._silence <= 2.0 * self._timeout / LOOKS
+            usual = self._silence < 2.0 * self._timeout / LOOKS
             self._silence += step if usual else step * self._larger_share()
         return self.lost and not lost
 

@@ -30,10 +30,11 @@ class Heartbeat:
 
     Args:
         node: The node, complete.
+        alive: Whether it has a sign of life to give at a time, s; called from the thread.
     """
 
-    def __init__(self, node: TimedNode) -> None:
-        self._node = node
+    def __init__(self, node: TimedNode, alive: Callable[[float], bool] = lambda _: True) -> None:
+        self._node, self._alive = node, alive
         self.began: Final = time.time_ns()
         """On the clock of the system, which machines share."""
         self._publisher = make_publisher(node, UInt64, f'~/{HEARTBEAT}')
@@ -45,6 +46,8 @@ class Heartbeat:
 
     def beat(self, now: float) -> None:
         """Publish a sign of life; after a long silence `TimedNode.held_up` is called first."""
+        if not self._alive(now):
+            return
         silence, self._last = now - self._last, now
         if silence >= SHORTEST:
             self._node.held_up(silence)
@@ -58,6 +61,7 @@ class Heartbeat:
 class HeartbeatWatch:
     """Notices that other nodes, once seen, have died or frozen; in the executor's thread.
 
+    A node is seen with its first sign of life, or `by_discovery` as soon as the publisher of these is found.
     One that comes back as another process before its silence was noticed has been lost too.
 
     In simulated time, and with a timeout of 0, none is ever lost.
@@ -67,7 +71,8 @@ class HeartbeatWatch:
         names: Names of the nodes, in the namespace of this one.
         timeout: See `Watchdog`, s.
         on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
-        on_seen: Called with a node's name at its first sign of life.
+        on_seen: Called with a node's name when it is seen.
+        by_discovery: A node that dies between its discovery and its first sign of life is lost.
     """
 
     def __init__(
@@ -77,8 +82,11 @@ class HeartbeatWatch:
         timeout: float,
         on_change: Callable[[str, str], None],
         on_seen: Callable[[str], None] = lambda _: None,
+        *,
+        by_discovery: bool = False,
     ) -> None:
         self._node, self._timeout, self._on_change, self._on_seen = node, timeout, on_change, on_seen
+        self._by_discovery = by_discovery
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
         self._processes: dict[str, bytes] = {}  # their last signs of life
         if timeout == 0.0 or node.simulated_time:
@@ -95,13 +103,15 @@ class HeartbeatWatch:
 
     @property
     def unseen(self) -> tuple[str, ...]:
-        """Names of the nodes that have given no sign of life yet."""
+        """Names of the nodes that were not seen yet."""
         return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
 
     def _look(self) -> None:
         now = self._node.now()
         for name, (beats, watchdog) in self._watched.items():
             before, beat, seen = watchdog.lost, beats.take(), watchdog.seen
+            if self._by_discovery and not seen and beats.publishers:
+                watchdog.expect()
             if beat is not None and beat != self._processes.setdefault(name, beat):
                 self._processes[name] = beat
                 if not before:

@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -18,6 +19,7 @@ from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.peers.namesake_watch import NamesakeWatch
+from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
 from robots_core.ros.running.interrupt import interrupt
 from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.running.middleware import choose_transports
@@ -74,9 +76,10 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             executor = LeanExecutor()
             for node in nodes:
                 executor.add_node(node)
+            watch = ExecutorWatch(executor, partial(_report_hung, nodes[0]))
             for node in nodes:
                 if not node.simulated_time:
-                    heartbeats.append(Heartbeat(node))
+                    heartbeats.append(Heartbeat(node, watch.look))
                     if node.alone:
                         NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node
@@ -96,6 +99,13 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             _end(nodes, heartbeats, executor)
             faulthandler.cancel_dump_traceback_later()
     return ExitCode.OK
+
+
+def _report_hung(node: TimedNode) -> None:
+    node.get_logger().error(
+        f'a callback has not returned for {HUNG:g} s: no more signs of life until it does; all threads:'
+    )
+    faulthandler.dump_traceback(STDERR)
 
 
 def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
