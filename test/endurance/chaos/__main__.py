@@ -97,7 +97,7 @@ def _while_usable(
     cell: Surroundings, trials: Sequence[Trial], environment: Mapping[str, str]
 ) -> Iterator[tuple[Trial, Fault]]:
     robot, domain = load_robot_model(cell.robot), int(environment['ROS_DOMAIN_ID'])
-    with Observer(robot, domain) as observer, cell:
+    with Observer(robot, domain, cell.nodes) as observer, cell:
         for trial in trials:
             try:
                 recording = run_trial(trial, cell, observer)

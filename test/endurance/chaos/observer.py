@@ -1,7 +1,7 @@
 """Observer: records what a cell does, and calls its services as a person would."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -9,13 +9,14 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, UInt8
+from std_msgs.msg import Bool, UInt8, UInt64
 from trajectory_msgs.msg import JointTrajectory
 
 from cell_operator import CellOperator
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times, single_point
 from robots_core.ros.messages import seconds
+from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.qos import STATE
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.trajectory import Trajectory
@@ -34,7 +35,7 @@ TOPICS: Final[dict[str, tuple[Any, QoSProfile]]] = {
     'plc/word': (UInt8, RELIABLE),
 }
 PATH_STEP: Final = 0.005  # s of a plan between two points of its path
-STALE: Final = 0.2  # s without a reference
+STALE: Final = 0.2  # s without a reference, or a sign of life
 KEPT: Final = 120.0  # s of plans: a robot may have stood for long
 
 
@@ -44,11 +45,16 @@ class Observer(CellOperator):
     Args:
         robot: The robot.
         domain: ROS domain.
+        nodes: Those whose signs of life are looked for.
     """
 
-    def __init__(self, robot: BaseRobotModel, domain: int) -> None:
+    def __init__(self, robot: BaseRobotModel, domain: int, nodes: Iterable[str] = ()) -> None:
         super().__init__(domain, 'observer')
         self._robot = robot
+        self._beats = {
+            name: PolledSubscription(self._node, UInt64, f'{name}/{HEARTBEAT}', raw=True) for name in nodes
+        }
+        self._last_beats = dict.fromkeys(self._beats, -np.inf)
         self._found: dict[str, list[tuple[float, bytes]]] = {topic: [] for topic in TOPICS}
         self._subscriptions = {
             topic: PolledSubscription(self._node, kind, topic, qos, raw=True)
@@ -68,6 +74,12 @@ class Observer(CellOperator):
         """References or feedback came lately: one of the two comes as long as controller or drives run."""
         newest = (self._newest(topic) for topic in ('joint_reference', 'joint_states'))
         return any(one is not None and seconds(one.header.stamp) > time.time() - STALE for one in newest)
+
+    @property
+    def all_alive(self) -> bool:
+        """All nodes have given a sign of life lately."""
+        with self._lock:
+            return min(self._last_beats.values(), default=np.inf) > time.monotonic() - STALE
 
     @property
     def moving(self) -> bool:
@@ -136,6 +148,9 @@ class Observer(CellOperator):
 
     def poll(self) -> None:
         """Keep what has come."""
+        for name, beats in self._beats.items():
+            if beats.take() is not None:
+                self._last_beats[name] = time.monotonic()
         for topic, subscription in self._subscriptions.items():
             self._found[topic] += [
                 (1e-9 * info['source_timestamp'], data) for data, info in subscription.take_all()

@@ -113,13 +113,17 @@ def run_trial(trial: Trial, cell: Surroundings, observer: Observer) -> Recording
 
 
 def until_running(observer: Observer) -> None:
-    """Wait until the program moves the robot; one that has failed by itself meanwhile is run again.
+    """Wait until all nodes are there and the program moves the robot; one that has failed is run again.
+
+    A node that was killed is back before the next fault: each fault is a single one.
 
     Raises:
         NotReadyError: it does not, with what the cell says.
     """
     deadline = time.monotonic() + READY_TIME
-    while not happens(lambda: observer.program_state == 'RUNNING' and observer.moving, 2.0):
+    while not happens(
+        lambda: observer.all_alive and observer.program_state == 'RUNNING' and observer.moving, 2.0
+    ):
         state, error = observer.program_state, observer.program_error
         if time.monotonic() > deadline:
             raise NotReadyError(
