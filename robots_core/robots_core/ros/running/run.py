@@ -102,7 +102,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
 
 
 def _report_hung(node: TimedNode) -> None:
-    node.get_logger().error(
+    node.journal.error(
         f'a callback has not returned for {HUNG:g} s: no more signs of life until it does; all threads:'
     )
     faulthandler.dump_traceback(STDERR)
