@@ -36,7 +36,8 @@ class CommandedCell(ProgramCell):
         self.stranger: Node = runner.create_node('stranger')
         self._commands = self.stranger.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
         self._hold: Any = None
-        self.wait(lambda: self.modes and self._commands.get_subscription_count() >= 1, 'the cell')
+        known = self.planner.admission.commanders
+        self.wait(lambda: self.modes and known.mode and self._commands.get_subscription_count(), 'the cell')
 
     def order(self, q: np.ndarray) -> MotionResult:
         """Command a motion from another node than the program's; returns its result."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -163,6 +164,18 @@ def test_a_program_whose_process_was_frozen_fails_and_leaves_its_outputs_safe(ro
     error = bench.wait_for_state('FAILED')['error']
     assert error.endswith('the program was held up for 1e+03 s; its outputs were made safe')
     bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')
+
+
+def test_a_program_whose_process_was_frozen_commands_nothing_before_it_fails(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path, watchdog=0.5)
+    heartbeat = Heartbeat(bench.node)
+    heartbeat.stop()
+    heartbeat.beat(time.monotonic() - 1000.0)  # however many processes share the processors
+    bench.start(MOVE)
+    bench.wait(lambda: 'PTPJOINT_JOINT' in bench.states, 'the command state')
+    heartbeat.beat(time.monotonic())
+    assert bench.wait_for_state('FAILED')['error'].endswith('its outputs were made safe')
+    assert bench.commands == []
 
 
 @pytest.mark.parametrize('name', ['planning_node', 'controller_node'])

@@ -39,11 +39,11 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.periodic.realtime import processor_share_in_silence
 from robots_core.ros.messages import (
     BUILD,
     motion_result_from_message,
 )
+from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
@@ -102,6 +102,8 @@ class LuaProgramNode(RobotNode):
         self._guide_publisher = make_publisher(self, String, 'guide')
         self._status_publisher = make_publisher(self, DiagnosticStatus, 'program_status')
         self._feedback = FeedbackClient(self, axes.names)
+        self._watchdog = watchdog_parameter(self)
+        self._fresh = FreshCommands(self, self._watchdog)
         self._ports = ports = self._suite() if driver is None else self._driven(driver)
         self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
@@ -143,7 +145,6 @@ class LuaProgramNode(RobotNode):
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        self._watchdog = watchdog_parameter(self)
         ports.report()
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._status_due = self.create_guard_condition(self._status_timer.reset)
@@ -175,7 +176,8 @@ class LuaProgramNode(RobotNode):
 
     def _suite(self) -> MotionPorts:
         """The robot moves by planning_node and controller_node."""
-        planner, controller = PlannerClient(self, self.robot.axes_data.names), ControllerClient(self)
+        planner = PlannerClient(self, self.robot.axes_data.names, self._fresh.missed)
+        controller = ControllerClient(self)
 
         def report() -> None:
             PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
@@ -191,7 +193,7 @@ class LuaProgramNode(RobotNode):
         """The robot's own controller moves it."""
         # Imported on demand: it loads the planners, which no other robot needs in this process.
         module = import_module('robots_controller.nodes.ports.program.primitive_action')
-        action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback)
+        action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback, self._fresh.missed)
 
         def report() -> None:
             action.report_to(self.host)
@@ -293,7 +295,7 @@ class LuaProgramNode(RobotNode):
 
     def held_up(self, silence: float) -> None:
         """The others have missed this node: its outputs have been made safe, and the robot was stopped."""
-        if self._watchdog and silence * processor_share_in_silence() > self._watchdog:
+        if self._fresh.held_up(silence):
             self.host.held_up(silence)
 
     # -- the program's robot, from its thread -----------------------------------------------------

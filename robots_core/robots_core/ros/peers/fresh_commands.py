@@ -1,4 +1,4 @@
-"""FreshCommands: refuses what was commanded before a node was held up."""
+"""FreshCommands: what was commanded before a node was held up leads to no motion."""
 
 import time
 
@@ -12,10 +12,11 @@ class FreshCommands:
     """A process that was frozen for longer than the watchdog has been missed by all others.
 
     They have stopped the robot, and programs have failed. What they had commanded still waits for the
-    process: no motion may come of it when it runs again.
+    process, and its own threads continue with what they were about to command: no motion may come of that
+    when it runs again.
 
     Args:
-        node: That gets commands.
+        node: That gets or gives commands.
         watchdog: Silence after which the others miss it, s; 0: they do not.
     """
 
@@ -30,13 +31,17 @@ class FreshCommands:
             self._resumed = time.time_ns()
         return missed
 
+    def missed(self) -> bool:
+        """The process runs again after the others have missed it, and has given no sign of life since."""
+        return self._missed(self._node.silence())
+
     def check(self, sender: Sender) -> None:
         """Pass a command that was sent since.
 
         Raises:
             NotNowError: it was sent before.
         """
-        if self._missed(self._node.silence()) or 0 < sender.time < self._resumed:
+        if self.missed() or 0 < sender.time < self._resumed:
             raise NotNowError(
                 f'{self._node.get_name()} was held up after this was commanded; command it again'
             )

@@ -48,9 +48,10 @@ class Heartbeat:
         """Publish a sign of life; after a long silence `TimedNode.held_up` is called first."""
         if not self._alive(now):
             return
-        silence, self._last = now - self._last, now
+        silence = now - self._last
         if silence >= SHORTEST:
             self._node.held_up(silence)
+        self._last = now
         self._publisher.publish(self._message)
 
     def stop(self) -> None:

@@ -26,13 +26,17 @@ class PlannerClient(PlannerSettings):
     Args:
         node: The node to publish from.
         joint_names: The robot's joints.
+        held_up: The others have missed this process, and it has not failed its program yet: nothing is
+            commanded.
     """
 
     name: Final = PLANNING_NODE
 
-    def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
+    def __init__(
+        self, node: TimedNode, joint_names: tuple[str, ...], held_up: Callable[[], bool] = lambda: False
+    ) -> None:
         super().__init__(node)
-        self._joint_names = joint_names
+        self._joint_names, self._held_up = joint_names, held_up
         self._last_stamp = 0
         self._waiting: deque[Callable[[], None]] = deque()
         self._turn = None
@@ -45,7 +49,7 @@ class PlannerClient(PlannerSettings):
 
     def plans(self, command: MotionCommand) -> bool:
         """See `PlannerPort`."""
-        return self.listens(command.kind)
+        return self.listens(command.kind) and not self._held_up()
 
     def listens(self, kind: MotionKind = JOINT) -> bool:
         """A node that publishes `joint_trajectory` is subscribed to a motion's topic.

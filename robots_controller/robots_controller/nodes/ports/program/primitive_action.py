@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final
 
@@ -35,14 +35,17 @@ class PrimitiveAction:
         node: Owner.
         driver: Its `primitives`, `joint_states` and `running`.
         feedback: What the robot measures.
+        held_up: As for `PlannerClient`.
 
     Raises:
         InvalidInputError: control_msgs is not installed, the driver takes no primitives, or its joint states
             are on another topic than the node's.
     """
 
-    def __init__(self, node: RobotNode, driver: Driver, feedback: FeedbackClient) -> None:
-        self._node, self._feedback = node, feedback
+    def __init__(
+        self, node: RobotNode, driver: Driver, feedback: FeedbackClient, held_up: Callable[[], bool]
+    ) -> None:
+        self._node, self._feedback, self._held_up = node, feedback, held_up
         self._settings = _primitives(node, driver)
         self._action = action_type(ACTION_TYPE)
         if self._action is None:
@@ -88,7 +91,7 @@ class PrimitiveAction:
     @property
     def served(self) -> bool:
         """See `PrimitiveDriver`."""
-        return bool(self._client.server_is_ready())
+        return bool(self._client.server_is_ready()) and not self._held_up()
 
     def wake(self) -> None:
         """See `PrimitiveDriver`."""
