@@ -88,14 +88,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     run on while other processes have nothing left to do.
     """
     processes = int(os.environ.get('PYTEST_XDIST_WORKER_COUNT', '1'))
+    longest = [item for item in items if item.get_closest_marker('longest')]
+    rest = [item for item in items if item not in longest]
     waiting, others = (
-        [item for item in items if (item.path.parent.name in WAITING) is waits] for waits in (True, False)
+        [item for item in rest if (item.path.parent.name in WAITING) is waits] for waits in (True, False)
     )
     items.clear()
     modules, computing = _modules(waiting), _modules(others)
     for number in range(processes):
         share = slice(number, None, processes)
-        items += _interleaved(modules[share], computing[share])
+        items += longest[share] + _interleaved(modules[share], computing[share])
 
 
 def _modules(items: list[pytest.Item]) -> list[list[pytest.Item]]:

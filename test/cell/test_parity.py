@@ -32,6 +32,7 @@ def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRu
     check_both_cells(lockstep_runs.run(name, drive), drive, tmp_path / 'bag')
 
 
+@pytest.mark.longest
 @pytest.mark.parametrize('drive', DRIVE_LEVELS)
 def test_both_cells_do_the_same_in_all_examples(
     drive: str, lockstep_runs: LockstepRuns, tmp_path: Path
