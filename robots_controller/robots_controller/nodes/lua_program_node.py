@@ -33,6 +33,7 @@ from robots_controller.nodes.ports.program.path_switching_messages import PathSw
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.nodes.ports.program.program_clock import ProgramClock
 from robots_controller.program.joint_feedback import JointFeedback
+from robots_controller.program.motions import path_switches
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
@@ -180,6 +181,7 @@ class LuaProgramNode(RobotNode):
         controller = ControllerClient(self)
 
         def report() -> None:
+            path_switches.warm_up(self.robot.direct_kinematics, self.robot.home)
             PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
             subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
             controller.report_to(self.host, self._changed)
