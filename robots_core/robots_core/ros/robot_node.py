@@ -30,6 +30,9 @@ from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
 
 HEALTH_PERIOD = 1.0  # s
+# Who finds a node while it starts misses its first reports.
+START_PERIOD: Final = 0.1  # s
+STARTING: Final = 3.0  # s
 REPEAT_PERIOD = 5.0  # s
 STRANGER_SHOWN = 2.0  # s
 PRIORITIES: Final = (0, 99)
@@ -41,8 +44,8 @@ PORTS: Final = (0, 65535)
 class RobotNode(TimedNode):
     """A node with parameter `robot_model` and a diagnostic status of its own.
 
-    The status is published on `/diagnostics` once a second and at every change. A node is ready when
-    its status is OK.
+    The status is published on `/diagnostics` at every change and once a second, in the first seconds more
+    often. A node is ready when its status is OK.
 
     Args:
         name: Default node name.
@@ -69,6 +72,9 @@ class RobotNode(TimedNode):
         self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
         self._diagnostics = make_publisher(self, DiagnosticArray, '/diagnostics')
         self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
+        if not self.simulated_time:
+            self._started = self.now()
+            self._starting = self.create_timer(START_PERIOD, self._repeat_while_starting)
 
     def parameter(
         self,
@@ -179,6 +185,11 @@ class RobotNode(TimedNode):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
+
+    def _repeat_while_starting(self) -> None:
+        self._repeat_health()
+        if self.now() - self._started > STARTING:
+            self._starting.cancel()
 
     def thread_failed(self, error: BaseException) -> None:
         """Report that a thread of this node ended by itself, and end the node."""
