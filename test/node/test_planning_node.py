@@ -421,20 +421,6 @@ def test_an_invalid_setting_at_start_is_reported(ros_nodes: Any) -> None:
         PlanningBench(ros_nodes, rotation_speed=-1.0)
 
 
-def test_nobody_commands_by_topics_before_the_operating_mode_has_come(ros_nodes: Any) -> None:
-    bench = PlanningBench(ros_nodes)
-    home = np.array(bench.robot.home)
-    bench.stand(home)
-    modes = bench.peer.create_publisher(String, 'operating_mode', STATE)
-    bench.wait(bench.node.admission.commanders._modes.get_publisher_count, 'the publisher of the mode')
-    result = bench.refusal(bench.command('ptpjoint_joint', home + 0.1, 10))
-    assert result.message == 'the operating mode has not been received yet; command it again'
-    modes.publish(String(data='AUTOMATIC'))
-    bench.wait(lambda: bench.node.admission.commanders.mode, 'the mode')
-    bench.command('ptpjoint_joint', home + 0.1, 11)
-    bench.planned()
-
-
 def test_what_was_commanded_before_the_planner_was_held_up_is_refused(ros_nodes: Any) -> None:
     bench = PlanningBench(ros_nodes, watchdog=0.2)
     home = np.array(bench.robot.home)

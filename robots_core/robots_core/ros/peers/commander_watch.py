@@ -7,7 +7,7 @@ from std_msgs.msg import String
 
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode, check_command
-from robots_core.errors import NotNowError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
@@ -34,7 +34,7 @@ class CommanderWatch:
         self.guide: Guide | None = None
         """What the program lets guide its robot; None without a program's node."""
         subscribe(node, String, 'commander', self._on_commander)
-        self._modes = subscribe(node, String, 'operating_mode', self._on_mode)
+        subscribe(node, String, 'operating_mode', self._on_mode)
         subscribe(node, String, 'guide', self._on_guide)
 
     def check(self, sender: Commander) -> None:
@@ -42,10 +42,7 @@ class CommanderWatch:
 
         Raises:
             CommandRefusedError: another one commands the robot, or the mode excludes the sender.
-            NotNowError: a person or a topic commands before the mode has come.
         """
-        if self.mode is None and sender is not Commander.PROGRAM and self._modes.get_publisher_count():
-            raise NotNowError('the operating mode has not been received yet; command it again')
         guide = self.guide or Guide.NONE
         check_command(sender, commander=self.commander, mode=self.mode, guide=guide)
 
