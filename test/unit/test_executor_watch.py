@@ -13,7 +13,7 @@ BEAT = 0.04  # s
 
 
 class Executor:
-    """Calls tasks when it is told to."""
+    """Calls its tasks in `turn` alone."""
 
     def __init__(self) -> None:
         self.tasks: list[Callable[[], None]] = []

@@ -63,7 +63,7 @@ def test_silence_counts_by_the_share_of_a_processor() -> None:
     watchdog = Watchdog(TIMEOUT, lambda: 0.25)
     watchdog.look(STEP, alive=True)
     found = looks(watchdog, 40, alive=False, since=STEP)
-    # As ever for half a look and the first two, then a quarter each; one more for rounding.
+    # Half a look and two whole ones count in full, the others a quarter each; one more for rounding.
     assert found.index(True) + 1 in (2 + 4 * (LOOKS - 2.5), 3 + 4 * (LOOKS - 2.5))
 
 

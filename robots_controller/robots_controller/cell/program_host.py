@@ -267,7 +267,7 @@ class ProgramHost:
         running = self.program.fail(reason)
         if running:
             self.motions.stop()
-            self.make_outputs_safe()  # its thread may take a while to end
+            self.make_outputs_safe()  # the program's thread may take a while to end
         return running
 
     def _report_well(self) -> None:

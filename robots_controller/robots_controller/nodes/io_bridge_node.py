@@ -64,7 +64,7 @@ class IoBridgeNode(RobotNode):
         self.create_service(DescribeParameters, '~/describe_io', self._describe)
         self.ready()  # also without a PLC
         self._update_inputs()
-        # Outputs that a node leaves behind at once are fail-safe too.
+        # The program's node may die after its outputs have arrived and before its first heartbeat.
         self._watch = HeartbeatWatch(
             self, [WRITER], watchdog_parameter(self), lambda *_: self._on_outputs(), by_discovery=True
         )

@@ -30,7 +30,7 @@ from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
 
 HEALTH_PERIOD = 1.0  # s
-# Who finds a node while it starts misses its first reports.
+# A subscriber that is matched while a node starts has missed its first reports.
 START_PERIOD: Final = 0.1  # s
 STARTING: Final = 3.0  # s
 REPEAT_PERIOD = 5.0  # s
