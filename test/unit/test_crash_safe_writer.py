@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tracemalloc
 from pathlib import Path
 
@@ -170,6 +171,19 @@ def test_another_file_that_does_not_fit_leaves_the_bag_whole(tmp_path: Path, mon
     with no_file_larger_than(1), pytest.raises(RobotsError, match='cannot take more'):
         recording.writer.flush()
     assert content(recording.path) == saved
+
+
+def test_a_bag_whose_folder_is_removed_ends_and_says_so(tmp_path: Path):
+    recording = Recording(tmp_path / 'bag')
+    for _ in range(3):
+        recording.write('/a', 1000)
+        recording.writer.flush()
+    shutil.rmtree(recording.path)
+    recording.write('/a', 1000)
+    with pytest.raises(RobotsError, match='bag cannot take more: No such file or directory; it ends early'):
+        recording.writer.flush()
+    recording.writer.close()
+    assert not recording.path.exists()
 
 
 @pytest.mark.parametrize('chunks', [1, 3])

@@ -84,17 +84,19 @@ class _LastingMcap(McapWriter):
     def close(self, version: int, metadata: str) -> None:
         """Write the messages received so far and the end of the file; more may follow."""
         length = 0
+        more = self.chunk.bio.tell() > 0
 
         def write() -> None:
             nonlocal length
-            if self.chunk.bio.tell():
+            if more:
                 McapWriter.close_chunk(self)
             length = self.bio.tell()
             McapWriter.close(self, version, metadata)
 
         self._write_at_once(write)
         self.bio.seek(length)
-        self._extents.append(self._extent())
+        if more:  # otherwise `go_back` would come to the same extent again and again
+            self._extents.append(self._extent())
 
     def _write_at_once(self, write: Callable[[], None]) -> None:
         """In one piece: a kill hits between two writes, hardly ever inside one."""
