@@ -7,9 +7,11 @@ import struct
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from robots_core.periodic import realtime
+from robots_core.periodic import periodic_thread, realtime
+from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS
 from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.periodic.realtime import processor_share, processor_share_in_silence
 
@@ -100,6 +102,58 @@ def test_after_a_silence_the_threads_of_the_process_itself_do_not_count(
     assert processor_share_in_silence() == (os.cpu_count() or 1) / 41.0
     monkeypatch.setattr(realtime, 'TASKS', tmp_path / 'none')
     assert processor_share_in_silence() == processor_share()
+
+
+def test_threads_that_can_run_for_a_moment_are_no_load_after_a_silence(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    class Load:
+        """Many threads can run at the first looks."""
+
+        looks = 0
+
+        def read_text(self) -> str:
+            self.looks += 1
+            return f'0.50 0.00 0.00 {41 if self.looks < 4 else 1}/200 4711\n'
+
+    load = Load()
+    monkeypatch.setattr(realtime, 'LOAD', load)
+    monkeypatch.setattr(realtime, 'TASKS', tmp_path / 'none')
+    assert processor_share_in_silence() == 1.0
+    assert load.looks == 4
+
+
+def test_a_loop_that_was_frozen_is_never_called_with_a_time_long_past(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Clock:
+        """Each tenth sleep lasts much longer than it should."""
+
+        now, sleeps = 0.0, 0
+
+        def monotonic(self) -> float:
+            return self.now
+
+        def sleep(self, duration: float) -> None:
+            self.sleeps += 1
+            self.now += duration if self.sleeps % 10 else 0.7
+
+    clock, calls = Clock(), []
+    monkeypatch.setattr(periodic_thread, 'time', clock)
+
+    def work(deadline: float) -> None:
+        calls.append(deadline)
+        assert clock.now - deadline <= MAX_LATE_PERIODS * thread.period
+        if len(calls) == 50:
+            thread.stop()
+
+    failed: list[BaseException] = []
+    thread = PeriodicThread(work, period=0.04, name='keeps time', on_error=failed.append)
+    thread.start()
+    thread._thread.join()
+    assert failed == []
+    assert thread.missed == 5 * int((0.7 - 0.04) / 0.04)
+    assert np.diff(calls).min() == pytest.approx(0.04)
 
 
 def test_without_figures_each_process_has_a_processor(

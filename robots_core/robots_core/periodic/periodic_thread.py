@@ -78,11 +78,12 @@ class PeriodicThread:
         period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
         deadline = clock() + period
         while not stopped():
-            remaining = deadline - clock()
-            if remaining > 0.0:
-                time.sleep(remaining)
-            elif remaining < -MAX_LATE_PERIODS * period:
-                self.missed += int(-remaining / period)
-                deadline = clock()
+            now = clock()
+            if now < deadline:
+                time.sleep(deadline - now)
+                now = clock()  # much later if the process was frozen meanwhile
+            if now - deadline > MAX_LATE_PERIODS * period:
+                self.missed += int((now - deadline) / period)
+                deadline = now
             work(deadline)
             deadline += period
