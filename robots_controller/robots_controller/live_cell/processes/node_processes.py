@@ -77,8 +77,10 @@ class NodeProcess:
 
     @property
     def last_lines(self) -> str:
-        """The end of its output."""
-        return '\n'.join(self._log.read_text(errors='replace').splitlines()[-LAST_LINES:])
+        """The end of its output; '' if somebody has removed it."""
+        with contextlib.suppress(OSError):
+            return '\n'.join(self._log.read_text(errors='replace').splitlines()[-LAST_LINES:])
+        return ''
 
     def send_signal(self, number: int) -> None:
         """Send a signal; one that has ended ignores it."""
@@ -125,7 +127,6 @@ class NodeProcesses:
         for node in self._graph:
             node.executable_path()
         fork_server.start()
-        self._log_folder.mkdir(parents=True, exist_ok=True)
         for name in dict.fromkeys(node.process for node in self._graph):
             self.start_process(name)
 
@@ -197,6 +198,7 @@ def _run(name: str, parts: Mapping[str, Sequence[str]], log: Path, environment: 
     title = next(iter(parts.values()))[0] if len(parts) == 1 else name
     # While the environment is where the process began with it; ROS names its log file by the title.
     setproctitle(title)
+    log.parent.mkdir(parents=True, exist_ok=True)
     with log.open('ab') as output:  # after what an earlier process left
         for stream in (sys.stdout, sys.stderr):
             os.dup2(output.fileno(), stream.fileno())
