@@ -80,7 +80,8 @@ def test_periods_are_missed_that_come_too_late_and_few_are_within_the_goal() -> 
 
 def test_gaps_are_where_messages_are_missing() -> None:
     kept = np.delete(PERIOD * np.arange(100), [10, 50, 51])
-    gaps = LoopFigures('joint_states', kept, np.zeros(kept.size)).gaps
+    kept = np.append(kept, kept[-1] + 5 * PERIOD * np.arange(1, 10))  # at rest
+    gaps = LoopFigures('joint_states', kept, np.zeros(kept.size), 5 * PERIOD).gaps
     np.testing.assert_allclose(gaps, [2 * PERIOD, 3 * PERIOD])
 
 

@@ -140,6 +140,19 @@ def test_every_level_comes_to_its_reference(ros_nodes: Any, level: str):
         assert len(state.effort) == 0
 
 
+def test_axes_that_have_stood_for_a_while_are_reported_seldom(ros_nodes: Any):
+    bench = DriveBench(ros_nodes, rate=250.0, resting_rate=50.0)
+
+    def steps() -> np.ndarray:
+        stamps = [float(stamp_id(state.header.stamp)) for state in bench.states[-10:]]
+        return np.diff(stamps)
+
+    bench.until_following()
+    bench.wait(lambda: len(steps()) == 9 and steps().min() > 0.0199, 'states of axes at rest')
+    bench.refer(HOME + 0.3, np.full(6, 0.1))
+    bench.wait(lambda: 0.0 < steps().min() < 0.0041, 'states of each period')
+
+
 def test_the_payload_is_felt(ros_nodes: Any):
     bench = DriveBench(ros_nodes, level='rigid_body', payload=[100.0, 0.0, 0.0, 0.3])
     load = Payload(100.0, np.array([0.0, 0.0, 0.3]))

@@ -21,6 +21,7 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.resting_rate import RestingRate
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
@@ -42,6 +43,9 @@ FAULTS = {
 }
 
 
+RESTED: Final = 0.5  # s; longer than a controller waits until the robot stands at the end of a motion
+
+
 class DriveNode(ManagedNode):
     """The drives in the place of a real robot, stepped in real time, at the level of parameter `level`.
 
@@ -60,6 +64,13 @@ class DriveNode(ManagedNode):
             50,
             'FIFO priority of the loop where the system permits it; 0: none',
             bounds=PRIORITIES,
+        )
+        resting_rate = self.parameter(
+            'resting_rate',
+            50.0,
+            'joint_states a second of axes that have stood for 0.5 s, Hz, at most `rate`; in simulated time '
+            'always `rate`',
+            bounds=(20.0, 2000.0),
         )
         level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(
@@ -126,6 +137,8 @@ class DriveNode(ManagedNode):
         self._rows: Array | None = None  # of the last valid reference
         self._reference = q, np.zeros_like(q)
         self._states = JointStateStream(self, 'joint_states')
+        seldom = 1 if self.simulated_time else max(1, int(rate / resting_rate))
+        self._resting = RestingRate(seldom, round(RESTED * rate))
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
             self._report(q, np.zeros_like(q))
         self._loop = self.start_loop(
@@ -184,7 +197,9 @@ class DriveNode(ManagedNode):
         if message is not None:
             with self.refusing('joint_reference'):
                 reference = self._read(message)
-        self._report(*self._supervised.step(now, *reference, sender_period=self._reader.lead))
+        measured = self._supervised.step(now, *reference, sender_period=self._reader.lead)
+        if self._resting.due(resting=self._supervised.standing):
+            self._report(*measured)
         if self._bodies is not None:
             self._bodies.after_step()
         self._report_problem()

@@ -28,11 +28,13 @@ class LoopFigures:
         name: Its topic.
         due: (k,) s since the start, when they were due.
         late: (k,) s.
+        resting: Time between two messages of a robot that stands, s; one step of that length is no gap.
     """
 
     name: str
     due: Array
     late: Array
+    resting: float = PERIOD
 
     @property
     def percentiles(self) -> tuple[float, ...]:
@@ -53,7 +55,8 @@ class LoopFigures:
     def gaps(self) -> Array:
         """Lengths of the gaps between messages that were due, s."""
         steps = np.diff(self.due)
-        return np.asarray(steps[steps > GAP * PERIOD])
+        resting = np.abs(steps - self.resting) < 0.5 * PERIOD
+        return np.asarray(steps[(steps > GAP * PERIOD) & ~resting])
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,10 +18,11 @@ from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP
 from robots_core.ros.qos import STREAM
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 
-from .figures import LoopFigures
+from .figures import PERIOD, LoopFigures
 
 EVERY: Final = QoSProfile(depth=5000)
 TOPICS: Final = {'joint_reference': JointTrajectory, 'joint_states': JointState}
+RESTING: Final = {'joint_reference': PERIOD, 'joint_states': 0.02}  # s between two messages at rest
 JOG_SPEED: Final = 0.1  # rad/s (m/s)
 JOG_PERIOD: Final = 0.04  # s
 REQUEST: Final = 0b10  # bit of the PLC's word
@@ -105,7 +106,8 @@ class Worker(CellOperator):
         """How late everything was sent."""
         with self._lock:
             return tuple(
-                LoopFigures(topic, np.array(due), np.array(late)) for topic, (due, late) in self._seen.items()
+                LoopFigures(topic, np.array(due), np.array(late), RESTING[topic])
+                for topic, (due, late) in self._seen.items()
             )
 
     @staticmethod

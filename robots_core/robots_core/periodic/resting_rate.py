@@ -1,0 +1,21 @@
+"""RestingRate: a loop reports seldom what has not changed for a while."""
+
+
+class RestingRate:
+    """Says in which cycles of a loop something that may rest is reported.
+
+    In all cycles while it moves and as long as it has not rested for `after`; then in one of `every`.
+
+    Args:
+        every: Cycles from one report to the next at rest, at least 1.
+        after: Cycles of rest that are still reported one by one.
+    """
+
+    def __init__(self, every: int, after: int) -> None:
+        self._every, self._after = every, after
+        self._rested = 0
+
+    def due(self, *, resting: bool) -> bool:
+        """A report is due in this cycle; to be called once in each."""
+        self._rested = self._rested + 1 if resting else 0
+        return self._rested <= self._after or (self._rested - self._after) % self._every == 0
