@@ -43,7 +43,8 @@ FAULTS = {
 }
 
 
-RESTED: Final = 0.5  # s; longer than a controller waits until the robot stands at the end of a motion
+# At the end of a motion, while drives settle, controller_node looks at the feedback of each period.
+RESTED: Final = 0.5  # s
 
 
 class DriveNode(ManagedNode):
