@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import cycle
 
 import pytest
@@ -25,6 +26,28 @@ def test_what_falls_silent_is_lost_once_after_the_timeout() -> None:
     assert found.index(True) == LOOKS - 1
     assert sum(found) == 1
     assert watchdog.lost
+
+
+@pytest.mark.parametrize('age', [0.0, 0.3 * STEP, STEP])
+def test_silence_counts_from_the_sign_of_life_where_its_age_is_known(age: float) -> None:
+    watchdog = Watchdog(TIMEOUT)
+    assert watchdog.remaining == math.inf
+    watchdog.look(STEP, alive=True, age=age)
+    assert watchdog.remaining == pytest.approx(TIMEOUT - age, abs=1e-12)  # rounding
+    looks(watchdog, LOOKS - 2, alive=False, since=STEP)
+    now, rest = (LOOKS - 1) * STEP, watchdog.remaining
+    # The remaining time is one to two looks: one in between, because no step counts for more than a look.
+    assert not watchdog.look(now + 0.49 * rest, alive=False)
+    assert not watchdog.look(now + 0.99 * rest, alive=False)
+    assert watchdog.look(now + 1.01 * rest, alive=False)
+    assert watchdog.remaining == math.inf
+
+
+@pytest.mark.parametrize(('age', 'counted'), [(-5.0, 0.0), (5.0, STEP)])
+def test_an_age_that_a_changed_clock_gives_counts_at_most_one_look(age: float, counted: float) -> None:
+    watchdog = Watchdog(TIMEOUT)
+    watchdog.look(STEP, alive=True, age=age)
+    assert watchdog.remaining == pytest.approx(TIMEOUT - counted, abs=1e-12)  # rounding
 
 
 def test_what_was_never_seen_is_not_lost() -> None:

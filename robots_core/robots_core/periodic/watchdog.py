@@ -1,5 +1,6 @@
 """Watchdog: something that gives signs of life is lost when they stop coming."""
 
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -41,25 +42,32 @@ class Watchdog:
         """It was seen, and then was silent for the timeout."""
         return self._silence is not None and self._silence > self._timeout
 
+    @property
+    def remaining(self) -> float:
+        """How much longer it may be silent, s; infinite if it was not seen or is lost."""
+        return math.inf if self._silence is None or self.lost else self._timeout - self._silence
+
     def expect(self) -> None:
         """What was never seen is there: its silence counts from now on."""
         if self._silence is None:
             self._silence = 0.0
 
-    def look(self, now: float, *, alive: bool) -> bool:
+    def look(self, now: float, *, alive: bool, age: float | None = None) -> bool:
         """Look, at least `LOOKS` times within the timeout.
 
         Args:
             now: Time, s.
             alive: A sign of life has come since the last look.
+            age: How long ago the newest came, s; None where that is unknown: halfway between the two looks.
 
         Returns:
             It was lost just now.
         """
         step, self._before = min(now - self._before, self._timeout / LOOKS), now
         lost = self.lost
-        if alive:  # it came between two looks
-            self._silence, self._last_share = 0.5 * step, 0.0
+        if alive:
+            self._silence = 0.5 * step if age is None else min(max(age, 0.0), step)
+            self._last_share = 0.0
         elif self._silence is not None:
             # To ask for the share takes longer than a look: not between two signs of life of a quiet machine.
             usual = self._silence < 2.0 * self._timeout / LOOKS

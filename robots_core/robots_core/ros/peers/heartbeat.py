@@ -19,6 +19,8 @@ from robots_core.wording.safety_note import NOT_CERTIFIED
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
+MOST_LOOKS: Final = 8 * LOOKS
+"""Looks within the timeout at a node that is about to be lost."""
 
 
 class Heartbeat:
@@ -95,7 +97,8 @@ class HeartbeatWatch:
         for name in names:
             beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
-        node.create_timer(timeout / LOOKS, self._look)
+        self._period = timeout / LOOKS
+        self._timer = node.create_timer(self._period, self._look)
 
     @property
     def lost(self) -> tuple[str, ...]:
@@ -109,8 +112,10 @@ class HeartbeatWatch:
 
     def _look(self) -> None:
         now = self._node.now()
+        remaining = math.inf
         for name, (beats, watchdog) in self._watched.items():
-            before, beat, seen = watchdog.lost, beats.take(), watchdog.seen
+            before, seen = watchdog.lost, watchdog.seen
+            beat, age = _newest(beats)
             if self._by_discovery and not seen and beats.publishers:
                 watchdog.expect()
             if beat is not None and beat != self._processes.setdefault(name, beat):
@@ -118,13 +123,30 @@ class HeartbeatWatch:
                 if not before:
                     self._on_change(name, f'{name} has died and was started anew')
                     before = True
-            if watchdog.look(now, alive=beat is not None):
+            if watchdog.look(now, alive=beat is not None, age=age):
                 reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
                 self._on_change(name, reason)
             elif before and not watchdog.lost:
                 self._on_change(name, '')
             if watchdog.seen and not seen:
                 self._on_seen(name)
+            remaining = min(remaining, watchdog.remaining)
+        self._look_again(remaining)
+
+    def _look_again(self, remaining: float) -> None:
+        """At the regular time, or as soon as a node is lost by its silence."""
+        period = round(1e9 * min(self._period, max(remaining, self._timeout / MOST_LOOKS)))
+        if period != self._timer.timer_period_ns:
+            self._timer.timer_period_ns = period
+            self._timer.reset()
+
+
+def _newest(beats: PolledSubscription) -> tuple[bytes | None, float | None]:
+    """The newest sign of life since the last call, and how long ago it came, s."""
+    beat, age = None, None
+    for taken, info in beats.take_all():
+        beat, age = taken, 1e-9 * (time.time_ns() - info['received_timestamp'])
+    return beat, age
 
 
 def watchdog_parameter(node: RobotNode) -> float:
