@@ -45,7 +45,7 @@ class LuaBench(Bench):
         self.log = self.collect('/rosout', Log, EVERY_STATE)
         # As a recorder does: subscribed to the commands without planning them.
         self.collect('ptpjoint_joint', JointState, COMMAND)
-        for name in ('pause', 'resume', 'stop'):
+        for name in ('pause', 'resume', 'cancel'):
             self.peer.create_service(
                 Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
             )

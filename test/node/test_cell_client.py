@@ -84,15 +84,23 @@ def test_what_cannot_be_moved_to_is_refused_where_it_is_commanded_or_waited_for(
     client.move_joint(NEAR).wait()
 
 
-def test_a_stop_ends_the_motion_with_its_reason(cell: ProgramCell, client: CellClient) -> None:
+@pytest.mark.parametrize('how', ['cancel', 'stop'])
+def test_a_motion_can_be_ended_and_a_stop_holds_until_its_reset(
+    cell: ProgramCell, client: CellClient, how: str
+) -> None:
     client.set_override(0.002)
     motion = client.move_joint(0.8 * NEAR)
     cell.until_moving()
     assert not motion.wait(0.0)
-    client.stop()
-    with pytest.raises(RobotsError, match='stop'):
+    getattr(client, how)()
+    with pytest.raises(RobotsError, match=how):
         motion.wait()
     client.set_override(1.0)
+    if how == 'stop':
+        with pytest.raises(RobotsError, match='stop by ~/stop'):
+            client.move_joint(NEAR).wait()
+        cell.until_standing()
+        client.reset()
     client.move_joint(NEAR).wait()
 
 

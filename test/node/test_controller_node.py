@@ -176,13 +176,20 @@ def test_pause_stands_on_the_path_and_resume_goes_on(bench: ControllerBench) -> 
     assert bench.result().ok
 
 
-def test_stop_gives_the_motion_up_and_the_next_one_runs(bench: ControllerBench) -> None:
+@pytest.mark.parametrize('how', ['cancel', 'stop'])
+def test_a_motion_is_given_up_and_the_next_one_runs_after_a_stop_once_that_is_reset(
+    bench: ControllerBench, how: str
+) -> None:
     bench.send_slowly(AWAY)
-    bench.ask('stop')
+    bench.ask(how)
     result = bench.result()
     assert not result.ok
-    assert result.message == 'stopped by ~/stop'
+    assert result.message == {'cancel': 'canceled by ~/cancel', 'stop': 'stop by ~/stop'}[how]
     bench.until_standing()
+    if how == 'stop':
+        bench.send(bench.references[-1], HOME)
+        assert 'stop by ~/stop; ~/reset lets the robot move again' in bench.result().message
+        bench.ask('reset')
     bench.override(1.0)
     bench.send(bench.references[-1], HOME)
     assert bench.result().ok
@@ -196,16 +203,16 @@ def test_a_motion_before_an_obstacle_goes_on_under_its_id_unless_somebody_stops_
     result = bench.result()
     assert (result.id, result.blocked, result.message) == (sent, True, 'stopped before a collision')
     bench.until_standing()
-    bench.ask('stop')
+    bench.ask('cancel')
     bench.send(bench.references[-1], HOME, id_=sent)
     refused = bench.result()
-    assert 'does not go around what is in its way: stopped by ~/stop' in refused.message
+    assert 'does not go around what is in its way: canceled by ~/cancel' in refused.message
 
 
-def test_an_empty_trajectory_stops(bench: ControllerBench) -> None:
+def test_an_empty_trajectory_cancels(bench: ControllerBench) -> None:
     bench.send_slowly(AWAY)
     bench.trajectories.publish(JointTrajectory(joint_names=NAMES))
-    assert bench.result().message == 'stopped by an empty joint_trajectory'
+    assert bench.result().message == 'canceled by an empty joint_trajectory'
 
 
 @pytest.mark.parametrize('value', [1.5, -0.1, float('nan')])
@@ -273,18 +280,18 @@ def test_a_motion_of_a_program_that_is_lost_does_not_begin(
 
 
 @pytest.mark.parametrize('how', ['service', 'an empty trajectory'])
-def test_a_stop_of_a_robot_that_stands_is_published_for_what_is_still_being_planned(
+def test_a_cancellation_of_a_robot_that_stands_is_published_for_what_is_still_being_planned(
     bench: ControllerBench, how: str
 ) -> None:
     stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE)
     bench.wait(lambda: stops, 'the state')
     before = bench.controller.get_clock().now().nanoseconds
     if how == 'service':
-        bench.ask('stop')
+        bench.ask('cancel')
     else:
         bench.trajectories.publish(JointTrajectory())
     bench.wait(lambda: len(stops) > 1, 'the stop')
-    assert (stops[-1].level, stops[-1].message.split(' ')[0]) == (DiagnosticStatus.OK, 'stopped')
+    assert (stops[-1].level, stops[-1].message.split(' ')[0]) == (DiagnosticStatus.OK, 'canceled')
     assert float(diagnostic_values(stops[-1])['until']) >= 1e-9 * before
     bench.send(HOME, AWAY)  # it is not latched
     assert bench.result().ok

@@ -83,19 +83,19 @@ def test_motions_that_were_passed_are_answered_with_the_last_one(ros_nodes: Any)
     bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
 
 
-def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
+def test_a_chain_that_was_canceled_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
     bench = blended(ros_nodes)
     ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
     bench.planned()
     (motion,) = bench.node.planner.motions
     first, second, _ = motion.ends.values()
     between = 0.5 * (first + second) / motion.trajectory.duration
-    stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
+    stopped = MotionResult(ids[-1], ok=False, message='canceled by ~/cancel', details={'progress': str(between)})
     bench.publish('motion_result', motion_result_message(stopped, ROBOT))
     bench.wait(lambda: len(bench.results) == 3, 'a result for each')
     results = {result.id: (result.ok, result.message) for result in bench.results}
     assert [results[id_] for id_ in ids] == [
-        (True, 'passed'), (False, 'stopped by ~/stop'), (False, 'stopped by ~/stop')
+        (True, 'passed'), (False, 'canceled by ~/cancel'), (False, 'canceled by ~/cancel')
     ]  # fmt: skip
 
 

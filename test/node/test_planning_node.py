@@ -516,11 +516,11 @@ def test_what_is_planned_when_the_robot_is_stopped_is_not_sent_and_what_comes_la
     until = bench.node.time()
     later = bench.command('ptpjoint_joint', home + 0.1, 13)
     bench.wait(lambda: bench.node.planner.knows(later), 'the second command')
-    stop = diagnostic_status('stop', 'stopped by ~/stop', hardware_id='', until=f'{until:.9f}')
+    stop = diagnostic_status('stop', 'canceled by ~/cancel', hardware_id='', until=f'{until:.9f}')
     bench.publish('stop_status', stop, STATE)
     bench.wait(lambda: bench.node.planner._queue.failures, 'that it is given up')
     goes_on.set()
-    assert bench.refusal(id_).message == 'given up: stopped by ~/stop'
+    assert bench.refusal(id_).message == 'given up: canceled by ~/cancel'
     bench.planned()
     assert [stamp_id(message.header.stamp) for message in bench.trajectories] == [later]
 

@@ -60,3 +60,22 @@ def test_a_stop_leaves_the_robot_on_its_path_and_the_program_runs_again(cell: Pr
     cell.command('run')
     cell.end('FINISHED')
     np.testing.assert_allclose(cell.until_standing(), TARGET, atol=1e-9)
+
+
+def test_a_stop_of_the_robot_ends_a_program_that_catches_errors_and_holds_until_its_reset(
+    cell: ProgramCell,
+) -> None:
+    cell.start(CRAWL + 'while true do pcall(ptpJointSpaceAngles, 60, -60, 70, 0, 60, 0) end\n')
+    cell.until_moving()
+    assert cell.call('controller_node/stop').success
+    cell.end('FAILED')
+    assert 'stop by ~/stop' in cell.status[-1]['error']
+    cell.until_standing()
+    refused = cell.call('lua_program_node/run')
+    assert not refused.success
+    assert 'stop by ~/stop' in refused.message
+    assert cell.call('controller_node/reset').success
+    cell.wait(lambda: cell.call('lua_program_node/run').success, 'a program that may run')
+    cell.until_moving()
+    cell.command('stop')
+    cell.end('STOPPED')

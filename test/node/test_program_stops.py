@@ -29,7 +29,7 @@ def test_planner_that_disappears_fails_the_motion_and_stops_the_robot(ros_nodes:
     error = bench.wait_for_state('FAILED')['error']
     once.cancel()
     assert 'planning_node has been gone' in error
-    bench.wait(lambda: 'stop' in bench.controller_calls, 'the stop')
+    bench.wait(lambda: 'cancel' in bench.controller_calls, 'the cancellation')
 
 
 def _destroy(bench: LuaBench) -> bool:
@@ -65,8 +65,8 @@ def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tm
     bench.wait_for_command()
     assert bench.ask('stop').success
     bench.wait_for_state('STOPPED')
-    # The first stop may come before the controller has the trajectory.
-    bench.wait(lambda: bench.controller_calls.count('stop') >= 2, 'another stop')
+    # The first one may come before the controller has the trajectory.
+    bench.wait(lambda: bench.controller_calls.count('cancel') >= 2, 'another cancellation')
     refused = bench.ask('run')
     assert not refused.success
     assert 'the robot still moves for line 1' in refused.message

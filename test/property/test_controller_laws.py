@@ -136,7 +136,7 @@ def test_any_override_keeps_limits_and_path_and_reaches_the_target(
 
 
 @settings(max_examples=25)
-@given(target=targets, after=st.integers(1, 400), how=st.sampled_from(['pause', 'stop', 'lost feedback']))
+@given(target=targets, after=st.integers(1, 400), how=st.sampled_from(['pause', 'cancel', 'lost feedback']))
 def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: int, how: str) -> None:
     goal = np.array(target)
     if np.linalg.norm(goal - START) < 1e-3:
@@ -151,8 +151,8 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
         rig.controller.speed.paused = True
         for _ in range(1000):
             rig.step()
-    elif how == 'stop':
-        rig.controller.stop('enough')
+    elif how == 'cancel':
+        rig.controller.cancel('enough')
         rig.run()
         assert rig.controller.outcomes[0].message == 'enough'
     else:

@@ -94,7 +94,7 @@ def other_motion(rig: Rig) -> None:
 
 
 STOPS = {
-    'a person': (lambda rig: rig.controller.stop('stopped by ~/stop'), 'stopped by ~/stop'),
+    'a person': (lambda rig: rig.controller.cancel('canceled by ~/cancel'), 'canceled by ~/cancel'),
     'a fault, reset since': (trip_and_reset, 'e-stop'),
     'another commander': (
         lambda rig: rig.controller.speed.authority.take(Commander.REMOTE, standing=True),
@@ -122,10 +122,10 @@ def test_a_person_who_stops_a_robot_that_brakes_before_an_obstacle_has_stopped_i
     rig.step(250)
     rig.controller.stop_before_collision()
     rig.step(5)
-    rig.controller.stop('stopped by ~/stop')
+    rig.controller.cancel('canceled by ~/cancel')
     rig.controller.stop_before_collision()
     result = rig.end()
-    assert (result.blocked, result.message) == (False, 'stopped by ~/stop')
+    assert (result.blocked, result.message) == (False, 'canceled by ~/cancel')
 
 
 def test_a_pause_holds_the_way_around_too(rig: Rig) -> None:

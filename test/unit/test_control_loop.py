@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.control.control_loop import STOPPED, ControlLoop
+from robots_controller.control.control_loop import CANCELED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.stops.faults import Fault
@@ -110,31 +110,59 @@ def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize('paused', [False, True])
-def test_a_stop_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
+def test_a_cancellation_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.loop.follow(quintic(GOAL, START, 1.0), '2')
     rig.run(100)
     if paused:
         rig.loop.request('pause')
         rig.run(100)
-    rig.loop.request('stop')
+    rig.loop.request('cancel')
     results = [rig.run_until_result() for _ in range(2)]
     assert {result.id for result in results} == {'1', '2'}
     assert not any(result.ok for result in results)
-    assert STOPPED in {result.message for result in results}
+    assert CANCELED in {result.message for result in results}
     assert not rig.loop.controller.speed.paused
     rig.run(100)
     rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
     assert rig.run_until_result().ok
 
 
-def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
+def test_a_cancellation_for_a_reason_leaves_a_pause(rig: Rig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
     rig.loop.request('pause')
-    rig.loop.stop('somebody came near')
+    rig.loop.cancel('somebody came near')
     assert rig.run_until_result().message == 'somebody came near'
     assert rig.loop.controller.speed.paused
+
+
+@pytest.mark.parametrize('paused', [False, True])
+def test_a_stop_holds_until_its_reset_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.run(100)
+    if paused:
+        rig.loop.request('pause')
+        rig.run(100)
+    rig.loop.stop('a person')
+    assert rig.run_until_result().message == 'a person'
+    rig.run(1)
+    assert (rig.stops[-1].fault, rig.stops[-1].drives_on) == (Fault.STOP, True)
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '2')
+    assert 'a person; ~/reset lets the robot move again' in rig.run_until_result().message
+    rig.loop.reset()
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
+    assert rig.run_until_result().ok
+
+
+def test_a_stop_of_a_robot_that_stands_holds_too(rig: Rig) -> None:
+    rig.run(1)
+    rig.loop.stop('a person')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    assert not rig.run_until_result().ok
+    rig.loop.reset()
+    rig.loop.follow(quintic(START, GOAL, 1.0), '2')
+    assert rig.run_until_result().ok
 
 
 def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:

@@ -200,9 +200,9 @@ def test_a_stop_around_the_place_where_a_motion_is_carried_on_stays_on_the_path_
     controller.follow(rest, 'b', 0.0, join_time=-rest.duration)
     run = Run(controller)
     run.steps(steps)
-    controller.stop('stopped by a person')
+    controller.cancel('canceled by a person')
     references = run.until_holding()
-    assert controller.outcomes[-1].message.endswith('stopped by a person')
+    assert controller.outcomes[-1].message.endswith('canceled by a person')
     assert [outcome.ok for outcome in controller.outcomes][-1] is False
     q = references[:, 0]
     way = (CORNER - START) / np.linalg.norm(CORNER - START)
@@ -227,13 +227,13 @@ def test_a_stop_gives_up_what_waits(controller: Controller) -> None:
     controller.follow(move(START, CORNER), 'a', 0.0)
     controller.follow(move(CORNER, END), 'b', 0.0)
     run.steps(30)
-    controller.stop('stopped by a person')
+    controller.cancel('canceled by a person')
     with pytest.raises(TrajectoryRefusedError, match='still moving'):
         controller.follow(move(END, START), 'c', run.now)
     run.until_holding()
     assert [(outcome.id, outcome.ok, outcome.message) for outcome in controller.outcomes] == [
-        ('a', False, 'stopped by a person'),
-        ('b', False, 'given up with the motion before it: stopped by a person'),
+        ('a', False, 'canceled by a person'),
+        ('b', False, 'given up with the motion before it: canceled by a person'),
     ]
 
 

@@ -37,8 +37,8 @@ class Desk:
         assert command is COMMAND
         self.calls.append('send')
 
-    def stop(self) -> None:
-        self.calls.append('stop')
+    def cancel(self) -> None:
+        self.calls.append('cancel')
 
     def begin(self) -> None:
         self.move.begin(COMMAND, self.ends.append)
@@ -60,11 +60,11 @@ def test_the_motion_is_sent_when_the_robot_is_taken_and_ends_with_its_result(des
     assert desk.calls == ['take', 'send', 'give back']
 
 
-def test_a_motion_that_is_given_up_is_stopped_before_the_robot_is_given_back(desk: Desk) -> None:
+def test_a_motion_that_is_given_up_is_canceled_before_the_robot_is_given_back(desk: Desk) -> None:
     desk.answers[0]('')
     desk.move.end()
     desk.move.ended(COMMAND, RobotsError('stopped'))
-    assert desk.calls == ['take', 'send', 'stop', 'give back']
+    assert desk.calls == ['take', 'send', 'cancel', 'give back']
     assert not desk.ends
 
 

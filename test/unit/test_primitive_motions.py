@@ -214,27 +214,27 @@ def test_an_arc_goes_on_through_a_point_that_lies_ahead() -> None:
     assert np.linalg.norm(ahead.r - end.r) < np.linalg.norm(tool(driver.q).r - end.r)
 
 
-def test_a_stop_ends_all_motions() -> None:
+def test_a_cancellation_ends_all_motions() -> None:
     driver = PlayedDriver()
     ids = [send(driver, commanded(JOINT, HOME + 0.1)), send(driver, commanded(JOINT, HOME))]
-    driver.control.request('stop')
-    driver.control.request('stop')
+    driver.control.request('cancel')
+    driver.control.request('cancel')
     assert (driver.canceled, driver.results) == (1, [])
     driver.motions.ended(canceled=True)
-    assert driver.ended == [(id_, 'stopped') for id_ in ids]
+    assert driver.ended == [(id_, 'canceled') for id_ in ids]
     assert not any(one.ok for one in driver.results)
     assert len(driver.sequences) == 1
-    driver.control.request('stop')  # nothing moves
+    driver.control.request('cancel')  # nothing moves
     assert driver.canceled == 1
 
 
-def test_a_stop_while_paused_ends_what_is_left() -> None:
+def test_a_cancellation_while_paused_ends_what_is_left() -> None:
     driver = PlayedDriver()
     id_ = send(driver, commanded(JOINT, HOME + 0.1))
     driver.control.request('pause')
     driver.motions.ended(canceled=True)
-    driver.control.request('stop')
-    assert driver.ended == [(id_, 'stopped')]
+    driver.control.request('cancel')
+    assert driver.ended == [(id_, 'canceled')]
     send(driver, commanded(JOINT, HOME + 0.1))  # the next program is not paused
     assert len(driver.sequences) == 2
 

@@ -37,7 +37,7 @@ class Cell:
         self.ended: list[tuple[str, MotionCommand, str]] = []
         self.motions = ProgramMotions(
             self,
-            partial(self.requests.append, 'stop'),
+            partial(self.requests.append, 'cancel'),
             self,  # type: ignore[arg-type]  # no program waits
             planner_timeout=TIMEOUT,
             on_sent=lambda id_, _: self.sent.append(id_),
@@ -203,7 +203,7 @@ def test_a_motion_that_nothing_will_end_is_given_up_and_the_robot_stopped(cell: 
     ((id_, error),) = cell.results()
     assert id_ == '1.0'
     assert 'controller_node has been gone for 2 s' in error
-    assert cell.requests == ['stop']
+    assert cell.requests == ['cancel']
 
 
 def test_a_lost_planner_ends_what_was_sent_and_stops_the_robot(cell: Cell) -> None:
@@ -211,7 +211,7 @@ def test_a_lost_planner_ends_what_was_sent_and_stops_the_robot(cell: Cell) -> No
     cell.move()
     cell.motions.lose_planner('it is gone')
     assert cell.results() == [('1.0', 'it is gone'), ('2.0', 'it is gone')]
-    assert cell.requests == ['stop']
+    assert cell.requests == ['cancel']
 
 
 def test_a_motion_for_a_planner_that_is_lost_fails_at_once_until_it_is_back(cell: Cell) -> None:
@@ -224,14 +224,14 @@ def test_a_motion_for_a_planner_that_is_lost_fails_at_once_until_it_is_back(cell
     assert cell.sent == ['1.0']
 
 
-def test_a_stop_ends_what_was_not_sent_and_is_repeated_until_the_rest_has_ended(cell: Cell) -> None:
+def test_a_cancellation_ends_what_was_not_sent_and_is_repeated_until_the_rest_has_ended(cell: Cell) -> None:
     cell.move()
     cell.listening = False
     cell.move()
-    cell.motions.stop()
-    assert cell.results() == [('', 'stopped before it began')]
+    cell.motions.cancel()
+    assert cell.results() == [('', 'canceled before it began')]
     cell.motions.watch()
-    assert cell.requests == ['stop', 'stop']
+    assert cell.requests == ['cancel', 'cancel']
     cell.answer('1.0', ok=False)
     cell.motions.watch()
-    assert cell.requests == ['stop', 'stop']
+    assert cell.requests == ['cancel', 'cancel']

@@ -136,7 +136,7 @@ def test_the_first_fault_counts_until_a_stricter_one_comes(rig: Rig) -> None:
 
 def test_a_person_stops_without_a_latch(rig: Rig) -> None:
     rig.move()
-    rig.controller.stop('stopped by ~/stop')
+    rig.controller.cancel('canceled by ~/cancel')
     rig.run_out()
     assert not rig.controller.stops.latched
     rig.controller.follow(quintic(rig.q, START), 'n', rig.now)

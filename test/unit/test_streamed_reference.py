@@ -156,14 +156,14 @@ def test_stop_holds_until_the_sender_pauses(rig: Rig) -> None:
     for _ in range(50):
         rig.send(np.array([1.0, 0.0]))
         rig.step()
-    rig.controller.stop('stopped by ~/stop')
+    rig.controller.cancel('canceled by ~/cancel')
     for _ in range(300):
         rig.step()
         if rig.controller.outcomes:
             break
         with pytest.raises(TrajectoryRefusedError, match='was stopped'):
             rig.send(np.array([1.0, 0.0]))
-    assert rig.controller.outcomes.popleft().message == 'stopped by ~/stop'
+    assert rig.controller.outcomes.popleft().message == 'canceled by ~/cancel'
     for _ in range(100):
         with pytest.raises(TrajectoryRefusedError, match='was stopped'):
             rig.send(np.array([1.0, 0.0]))

@@ -91,7 +91,7 @@ def test_a_robot_across_a_border_that_closes_may_leave_after_a_reset() -> None:
     cell.loop.follow(LinearJoint(ROBOT).generate(cell.q, turned(1.3)), 'further')
     cell.step(200)
     np.testing.assert_allclose(cell.q, turned(1.0), atol=1e-6)
-    cell.loop.request('stop')
+    cell.loop.request('cancel')
     cell.run()
     cell.loop.follow(LinearJoint(ROBOT).generate(cell.q, START), 'back')
     cell.run()
@@ -188,13 +188,13 @@ def test_of_several_zones_the_next_closed_one_holds() -> None:
     np.testing.assert_allclose(cell.q, turned(1.2), atol=1e-9)
 
 
-def test_a_stopped_program_stops_a_robot_that_waits() -> None:
+def test_a_stopped_program_cancels_the_motion_of_a_robot_that_waits() -> None:
     cell = Cell(wall(0.4))
     cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.2)), 'motion')
     cell.run(until=cell.held)
-    cell.loop.request('stop')
+    cell.loop.request('cancel')
     cell.run()
-    assert cell.results[-1].message == 'stopped by ~/stop'
+    assert cell.results[-1].message == 'canceled by ~/cancel'
 
 
 def test_what_crosses_a_border_that_is_always_closed_is_refused() -> None:

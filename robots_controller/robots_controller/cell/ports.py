@@ -62,7 +62,7 @@ class ControllerPort(Protocol):
     """Requests to the controller."""
 
     def request(self, request: ControllerRequest) -> None:
-        """Pause on the path, resume, or stop and give up all motions."""
+        """Pause on the path, resume, or stop on the path and give up all motions."""
 
     def command(self, *, taken: bool) -> None:
         """Take the robot for the program, or give it back; a refusal goes to `ProgramHost.lose_robot`."""

@@ -20,7 +20,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
 
-STOPPED: Final = 'stopped'
+CANCELED: Final = 'canceled'
 
 
 class PrimitiveDriver(Protocol):
@@ -143,7 +143,7 @@ class PrimitiveMotions:
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""
-        work = {'pause': self._pause, 'resume': self._resume, 'stop': self._stop}
+        work = {'pause': self._pause, 'resume': self._resume, 'cancel': self._cancel}
         self._ask(work[request])
 
     def set_override(self, value: float) -> None:
@@ -196,7 +196,7 @@ class PrimitiveMotions:
             self._moving.clear()
             self._flushed = self._interrupted = True
         else:
-            reason = STOPPED if why == STOPPED else error or f'{self.name} has canceled the motion'
+            reason = CANCELED if why == CANCELED else error or f'{self.name} has canceled the motion'
             self._give_up(reason)
         self._send()
 
@@ -258,14 +258,14 @@ class PrimitiveMotions:
     def _resume(self) -> None:
         self._paused = False
 
-    def _stop(self) -> None:
+    def _cancel(self) -> None:
         self._paused = False
         if not self._moving:
-            self._give_up(STOPPED)
+            self._give_up(CANCELED)
             return
         if not self._canceled:
             self._driver.cancel()
-        self._canceled = STOPPED
+        self._canceled = CANCELED
 
     def _give_up(self, reason: str) -> None:
         left = [*self._moving, *self._waiting]

@@ -96,7 +96,7 @@ class ProgramHost:
         self.switching = PathSwitching(robot.direct_kinematics, self.program.switch_output)
         self.motions = ProgramMotions(
             planner,
-            partial(controller.request, 'stop'),
+            partial(controller.request, 'cancel'),
             clock,
             planner_timeout=planner_timeout,
             on_sent=self._sent,
@@ -199,7 +199,7 @@ class ProgramHost:
         """
         if not self.program.stop():
             raise ProgramError('no program is running')
-        self.motions.stop()
+        self.motions.cancel()
         return f'{self.program.file} stops'
 
     def reset(self) -> str:
@@ -266,7 +266,7 @@ class ProgramHost:
         """A program that runs fails, for this reason; False if none does."""
         running = self.program.fail(reason)
         if running:
-            self.motions.stop()
+            self.motions.cancel()
             self.make_outputs_safe()  # the program's thread may take a while to end
         return running
 
@@ -304,7 +304,7 @@ class ProgramHost:
         self._files[command] = self.program.line_file
         self.motions.send(command)
         if self.program.stopping:  # the stop came before there was a motion to stop
-            self.motions.stop()
+            self.motions.cancel()
 
     def flush(self) -> None:
         """See `CellPort`."""
@@ -312,7 +312,7 @@ class ProgramHost:
 
     def abort(self) -> None:
         """See `CellPort`."""
-        self.motions.stop()
+        self.motions.cancel()
 
     def guide(self, guide: Guide) -> None:
         """See `CellPort`."""

@@ -27,7 +27,7 @@ class ProgramMotions:
 
     Args:
         planner: The planner.
-        stop: Stops the robot and gives up the controller's motions.
+        cancel: Stops the robot and gives up the controller's motions.
         clock: The program's time.
         planner_timeout: Longest wait for a planner, s.
         on_sent: A motion is being sent, with its id.
@@ -39,7 +39,7 @@ class ProgramMotions:
     def __init__(
         self,
         planner: PlannerPort,
-        stop: Callable[[], object],
+        cancel: Callable[[], object],
         clock: Clock,
         *,
         planner_timeout: float,
@@ -47,7 +47,7 @@ class ProgramMotions:
         on_result: Callable[[str, MotionCommand, RobotsError | None], None],
         on_blocked: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self._planner, self._stop, self._clock = planner, stop, clock
+        self._planner, self._cancel, self._clock = planner, cancel, clock
         self._planner_timeout = planner_timeout
         self._on_sent, self._on_blocked, self._on_result = on_sent, on_blocked, on_result
         # Entered again by an answer of the planner that is there at once.
@@ -59,7 +59,7 @@ class ProgramMotions:
         self._flush = False
         self._since = 0.0  # when the command came, or when all its followers were last present
         self._followers: dict[bytes, str] = {}
-        self._stopping = False
+        self._canceling = False
         self._planner_lost = ''
 
     def send(self, command: MotionCommand) -> None:
@@ -68,7 +68,7 @@ class ProgramMotions:
             if not self._unsent:
                 self._since = self._clock.now()
             self._unsent.append(command)
-            self._stopping = self._flush = False
+            self._canceling = self._flush = False
             lost = self._planner_lost
             if not lost:
                 self._send_planned()
@@ -77,15 +77,15 @@ class ProgramMotions:
 
     @property
     def going_on(self) -> bool:
-        """Motions are under way that were not stopped."""
+        """Motions are under way that were not given up."""
         with self._lock:
-            return bool(self._sent or self._unsent) and not self._stopping
+            return bool(self._sent or self._unsent) and not self._canceling
 
     @property
     def timed(self) -> bool:
         """`watch` may act by itself."""
         with self._lock:
-            return self._stopping or bool(self._blocked) or bool(self._unsent and not self._full)
+            return self._canceling or bool(self._blocked) or bool(self._unsent and not self._full)
 
     def flush(self) -> None:
         """No motion follows for now: a planner need not wait for the next one to blend into."""
@@ -93,17 +93,17 @@ class ProgramMotions:
             self._flush = True
             self._send_planned()
 
-    def stop(self) -> None:
+    def cancel(self) -> None:
         """Give up all motions; the results of those that were sent still come."""
         with self._lock:
-            # A motion that is being planned reaches the controller after its stop: `watch` repeats it.
-            self._stopping = bool(self._sent)
+            # A motion that is being planned reaches the controller after this request: `watch` repeats it.
+            self._canceling = bool(self._sent)
             unsent = list(self._unsent)
             self._unsent.clear()
             self._configuring = None
-        self._stop()
+        self._cancel()
         for command in unsent:
-            self._on_result('', command, PlanningError('stopped before it began'))
+            self._on_result('', command, PlanningError('canceled before it began'))
 
     def result(self, result: MotionResult) -> None:
         """A motion has ended."""
@@ -123,7 +123,7 @@ class ProgramMotions:
                 for id_ in before:
                     del self._sent[id_]
             if not self._sent:
-                self._stopping = False
+                self._canceling = False
             if result.ok:
                 self._since = self._clock.now()
                 self._send_planned()
@@ -134,13 +134,13 @@ class ProgramMotions:
     def watch(self) -> None:
         """Send what waits for a planner, and give up motions that no node will end; called regularly."""
         with self._lock:
-            now, stopping = self._clock.now(), self._stopping
+            now, canceling = self._clock.now(), self._canceling
             waiting = self._unsent and not self._full
             problem = self._unplanned(now) if waiting else self._lost(now) or self._unanswered(now)
         if problem:
             self._give_up(problem)
-        elif stopping:
-            self._stop()
+        elif canceling:
+            self._cancel()
 
     def lose_planner(self, reason: str) -> None:
         """No planner plans and ends motions: give up all, and those that are commanded before it is back.
@@ -157,10 +157,10 @@ class ProgramMotions:
             given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
             for motions in (self._sent, self._unsent, self._blocked):
                 motions.clear()
-            self._configuring, self._stopping = None, False
+            self._configuring, self._canceling = None, False
         for id_, command in given_up:
             self._on_result(id_, command, PlanningError(reason))
-        self._stop()
+        self._cancel()
 
     # -- inside, locked -------------------------------------------------------------------------
 

@@ -176,9 +176,13 @@ class CellClient:
         """Go on after `pause`."""
         self._connection.trigger('controller_node/resume')
 
-    def stop(self) -> None:
+    def cancel(self) -> None:
         """Stop the robot on its path and give up all motions."""
-        self._queue.stop()
+        self._queue.cancel()
+
+    def stop(self) -> None:
+        """Stop the robot on its path, whatever commanded it, until `reset`."""
+        self._connection.trigger('controller_node/stop')
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1, at once."""

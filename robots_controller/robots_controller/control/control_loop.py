@@ -24,8 +24,8 @@ from robots_core.errors import RobotsError
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
-ControllerRequest = Literal['pause', 'resume', 'stop']
-STOPPED = 'stopped by ~/stop'
+ControllerRequest = Literal['pause', 'resume', 'cancel']
+CANCELED = 'canceled by ~/cancel'
 
 
 class ControlPort(Protocol):
@@ -159,15 +159,19 @@ class ControlLoop:
         self._mailbox.append(lambda _: _set_borders(borders))
 
     def request(self, request: ControllerRequest) -> None:
-        """Pause on the path, resume, or stop and give up all motions."""
-        if request == 'stop':
-            self._mailbox.append(partial(self._stop, STOPPED, resume=True))
+        """Pause on the path, resume, or stop on the path and give up all motions; the next one may move."""
+        if request == 'cancel':
+            self._mailbox.append(partial(self._cancel, CANCELED, resume=True))
         else:
             self._mailbox.append(partial(self._pause, paused=request == 'pause'))
 
+    def cancel(self, reason: str) -> None:
+        """Stop on the path and give up all motions for this reason; a pause stays."""
+        self._mailbox.append(partial(self._cancel, reason, resume=False))
+
     def stop(self, reason: str) -> None:
-        """Stop and give up all motions for this reason; a pause stays."""
-        self._mailbox.append(partial(self._stop, reason, resume=False))
+        """Stop on the path until `reset`, and end a pause."""
+        self._mailbox.append(partial(self._stop, reason))
 
     def stop_before_collision(self) -> None:
         """Stop before an obstacle, see `Controller.stop_before_collision`; a pause stays."""
@@ -198,7 +202,7 @@ class ControlLoop:
         """
         had = self.controller.speed.authority.lose(commander)
         if had and commander is Commander.PENDANT:
-            self.stop(reason)
+            self.cancel(reason)
         return had
 
     def wait_for(self, awaited: str) -> None:
@@ -324,10 +328,14 @@ class ControlLoop:
         if stops.state.fault is fault:
             self._reset(now)
 
-    def _stop(self, reason: str, _now: float, *, resume: bool) -> None:
-        self.controller.stop(reason)
+    def _cancel(self, reason: str, _now: float, *, resume: bool) -> None:
+        self.controller.cancel(reason)
         if resume:
             self.controller.speed.paused = False
+
+    def _stop(self, reason: str, now: float) -> None:
+        self.controller.trip(Fault.STOP, reason, now)
+        self.controller.speed.paused = False
 
     def _wait_for(self, awaited: str, _now: float) -> None:
         self.controller.awaited = awaited

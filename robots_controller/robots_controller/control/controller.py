@@ -203,7 +203,7 @@ class Controller:
         if self.awaited:
             raise TrajectoryRefusedError(self.awaited)
 
-    def stop(self, reason: str) -> None:
+    def cancel(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
         self._stream.stop(reason)
         self._blocked.give_up(reason)
@@ -229,7 +229,7 @@ class Controller:
             return
         if not self.stops.trip(fault, reason, stands=stands):
             return
-        self.stop(reason)
+        self.cancel(reason)
         self._following.hurry(on=fault.category < StopCategory.TWO)
         if fault.category is StopCategory.ZERO:
             self._let_go(now, reason)

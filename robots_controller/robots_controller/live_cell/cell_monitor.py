@@ -46,7 +46,7 @@ from robots_planning.nodes.command_target import target_of
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s
 SERVICE_WAIT = 5.0  # s
-SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/stop')
+SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/cancel')
 
 
 class CellMonitor(Node):

@@ -126,7 +126,7 @@ class RunningCell:
         """Stop a running motion on its path, before the nodes end."""
         if self._motion is None or not self._processes.runs('controller_node'):
             return
-        self._monitor.call('controller_node/stop')
+        self._monitor.call('controller_node/cancel')
         deadline = time.monotonic() + REST_TIMEOUT
         while self._motion is not None and time.monotonic() < deadline:
             self._show_events()

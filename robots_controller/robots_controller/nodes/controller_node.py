@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
-from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
+from robots_controller.control.control_loop import CANCELED, ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
@@ -130,7 +130,7 @@ class ControllerNode(ManagedNode):
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
         self._fresh = FreshCommands(self, watchdog)
-        intake = TrajectoryIntake(self, self._control, self._fresh, self._publish_result, self._report_stop)
+        intake = TrajectoryIntake(self, self._control, self._fresh, self._publish_result, self._report_cancellation)
         self._commanders = CommanderServices(
             self, self._control, self._change_caps, intake.lose_commander, watched=watchdog > 0.0
         )
@@ -141,7 +141,7 @@ class ControllerNode(ManagedNode):
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',
-            'stop': 'stopping on the path, the motion is given up',
+            'cancel': 'stopping on the path, the motion is given up',
         }
         for request, answer in answers.items():
             self.serve(request, partial(self._request, request, answer))
@@ -182,6 +182,7 @@ class ControllerNode(ManagedNode):
 
     def _offer_stops(self) -> None:
         self._stopped_by = ''  # the reason that was logged
+        self.serve('stop', self._stop)
         self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
@@ -328,6 +329,10 @@ class ControllerNode(ManagedNode):
         """See `ManagedNode`."""
         self._control.watch(Fault.DEACTIVATED, f'{self.get_name()} is not active')
 
+    def _stop(self) -> str:
+        self._control.stop('stop by ~/stop')
+        return 'stopping on the path, until ~/reset'
+
     def _stop_at_once(self) -> str:
         self._control.trip(Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
         return 'stopping, then switching the drives off, until ~/reset'
@@ -338,12 +343,12 @@ class ControllerNode(ManagedNode):
 
     def _request(self, request: ControllerRequest, answer: str) -> str:
         self._control.request(request)
-        if request == 'stop':
-            self._report_stop(STOPPED)
+        if request == 'cancel':
+            self._report_cancellation(CANCELED)
         return answer
 
-    def _report_stop(self, reason: str) -> None:
-        """Publish a stop that is not latched: motions that are still being planned are given up too."""
+    def _report_cancellation(self, reason: str) -> None:
+        """Publish a cancellation: motions that are still being planned are given up too."""
         if not self._controller.stops.latched:
             until = self.get_clock().now().nanoseconds / NANOSECONDS
             status = StopState(reason=reason).status

@@ -218,7 +218,7 @@ class SimulatedCell:
             program = cell.program
             cell.log.given_up = ProgramError(reason, file=program.file, line=program.line)
             program.stop()
-            cell.control.stop(reason)
+            cell.control.cancel(reason)
             cell.control.request('resume')
             cell.control.set_override(1.0)
             cell.clock.end()

@@ -62,7 +62,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
     def __init__(self, node: RobotNode, action: Any, name: str, goal: type[AnyGoal]) -> None:
         self._node, self._action, self._make = node, action, goal
         self._goal: AnyGoal | None = None
-        self._stop = node.create_client(Trigger, 'controller_node/stop')
+        self._give_up = node.create_client(Trigger, 'controller_node/cancel')
         self._server = ActionServer(
             node, action, name, execute_callback=self._execute, cancel_callback=self._cancel
         )
@@ -125,7 +125,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
 
     def _stop_motion(self) -> None:
         """Have the controller stop on the path."""
-        self._stop.call_async(Trigger.Request())
+        self._give_up.call_async(Trigger.Request())
 
     def destroy(self) -> None:
         """End the server with its node."""

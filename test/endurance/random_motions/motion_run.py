@@ -209,7 +209,7 @@ def _events(
         if motion.hurry:
             controller.trip(Fault.EMERGENCY_STOP, STOP, now)
         else:
-            controller.stop(STOP)
+            controller.cancel(STOP)
 
     if motion.stop_at < np.inf:
         return [(motion.stop_at * duration, stop)]

@@ -48,6 +48,11 @@ class Fault(Enum):
         '`watchdog`',
         'the node that publishes the inputs of `emergency_stop` gives no sign of life; reset when it is back',
     )
+    STOP = (
+        StopCategory.TWO,
+        'one period',
+        "service `~/stop`, as by the stop button of the operator's page",
+    )
     ROBOT_STOPPED = (
         StopCategory.ONE,
         'one period',

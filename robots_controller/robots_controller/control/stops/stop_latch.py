@@ -23,7 +23,7 @@ class StopState:
 
     @property
     def status(self) -> Status:
-        """As it travels on `stop_status`; a stop that is not latched is no error."""
+        """As it travels on `stop_status`; a cancellation is no error."""
         values: dict[str, object] = {'drives': 'on' if self.drives_on else 'off'}
         if self.fault is not None:
             values |= {'fault': self.fault.label, 'category': self.fault.category.value}

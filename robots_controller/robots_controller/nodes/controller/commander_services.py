@@ -100,7 +100,7 @@ class CommanderServices:
         before = self._authority.commander
         self._authority.take_over(commander)
         if before is not commander:
-            self._control.stop(f'{commander} took the robot over')
+            self._control.cancel(f'{commander} took the robot over')
         self._publish()
         return f'{commander} commands the robot'
 

@@ -13,7 +13,7 @@ from robots_core.ros.messages import motion_result_from_message
 from robots_core.ros.qos import subscribe
 from robots_core.ros.timed_node import TimedNode
 
-STOP = 'controller_node/stop'
+CANCEL = 'controller_node/cancel'
 
 
 def commanded_motions(
@@ -35,7 +35,7 @@ def commanded_motions(
     """
     motions = ProgramMotions(
         planner,
-        lambda: send(STOP),
+        lambda: send(CANCEL),
         ProgramClock(node),
         planner_timeout=patience,
         on_sent=lambda _id, _command: None,

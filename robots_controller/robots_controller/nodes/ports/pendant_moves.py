@@ -9,7 +9,7 @@ from std_srvs.srv import SetBool
 
 from robots_controller.cell.ports import Configured
 from robots_controller.client.cell_services import CellServices
-from robots_controller.nodes.ports.commanded_motions import STOP, commanded_motions
+from robots_controller.nodes.ports.commanded_motions import CANCEL, commanded_motions
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.pendant.jog.pendant_move import PendantMove
 from robots_core.ros.robot_node import RobotNode
@@ -55,9 +55,9 @@ class PendantMoves:
             lambda _id, command, error: self.move.ended(command, error),
             patience=services.patience,
         )
-        self.send, self.stop = self._motions.send, self._motions.stop
+        self.send, self.cancel = self._motions.send, self._motions.cancel
         node.create_timer(WATCH_PERIOD, self._watch)
-        services.prepare([STOP])
+        services.prepare([CANCEL])
         services.prepare([TAKE], SetBool)
 
     def take(self, answered: Callable[[str], None]) -> None:

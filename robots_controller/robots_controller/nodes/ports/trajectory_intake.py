@@ -18,7 +18,7 @@ from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.verification.trajectory_verification import verify
 
-STOPPED: Final = 'stopped by an empty joint_trajectory'
+CANCELED: Final = 'canceled by an empty joint_trajectory'
 GIVEN_UP_AFTER: Final = 0.5  # s, until the planner too has noticed that a commander is lost
 
 
@@ -30,7 +30,7 @@ class TrajectoryIntake:
         control: Follows what is valid.
         fresh: Refuses what was sent before the node was held up.
         publish: Publishes the results of motions that are refused.
-        report_stop: Publishes a stop with its reason.
+        report_cancellation: Publishes a cancellation with its reason.
     """
 
     def __init__(
@@ -39,10 +39,10 @@ class TrajectoryIntake:
         control: ControlLoop,
         fresh: FreshCommands,
         publish: Callable[[MotionResult], None],
-        report_stop: Callable[[str], None],
+        report_cancellation: Callable[[str], None],
     ) -> None:
         self._node, self._control, self._fresh = node, control, fresh
-        self._publish, self._report_stop = publish, report_stop
+        self._publish, self._report_cancellation = publish, report_cancellation
         self._names = list(node.robot.axes_data.names)
         self._lost, self._lost_until = '', -math.inf
         self._subscription: Any = subscribe(
@@ -60,9 +60,9 @@ class TrajectoryIntake:
 
     def _take(self, raw: bytes) -> None:
         message = SerializedTrajectory(raw)
-        if not message.num_points:  # as in ros2_control: an empty trajectory stops
-            self._control.stop(STOPPED)
-            self._report_stop(STOPPED)
+        if not message.num_points:  # as in ros2_control: an empty trajectory cancels
+            self._control.cancel(CANCELED)
+            self._report_cancellation(CANCELED)
             return
         identified = getattr(self._subscription, 'identified', None)
         sender = Sender(time=0 if identified is None else identified.sent)

@@ -25,8 +25,8 @@ class MovePort(Protocol):
     def send(self, command: MotionCommand) -> None:
         """Send a motion."""
 
-    def stop(self) -> None:
-        """Stop the motion that was sent."""
+    def cancel(self) -> None:
+        """Give up the motion that was sent."""
 
 
 class PendantMove:
@@ -60,7 +60,7 @@ class PendantMove:
         with self._lock:
             running, self._running = self._running, None
         if running is not None:
-            self._port.stop()
+            self._port.cancel()
         self._port.give_back()
 
     def look(self) -> None:

@@ -33,7 +33,7 @@ class ControllerClient:
         self._node = node
         self._requests = {
             name: node.create_client(Trigger, f'controller_node/{name}')
-            for name in ('pause', 'resume', 'stop')
+            for name in ('pause', 'resume', 'cancel')
         }
         self._commander = node.create_client(SetBool, 'controller_node/commander/program')
         self._override = make_publisher(node, Float64, 'override')
@@ -44,7 +44,7 @@ class ControllerClient:
     @property
     def works(self) -> bool:
         """The controller serves requests."""
-        return is_served(self._node, self._requests['stop'])
+        return is_served(self._node, self._requests['cancel'])
 
     def report_to(self, host: ProgramHost, changed: Callable[[], None]) -> None:
         """Report to a program's host.
