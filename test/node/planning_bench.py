@@ -109,5 +109,5 @@ class PlanningBench(Bench):
         """End a motion, as the controller does."""
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
         self.publish('motion_result', motion_result_message(result, ROBOT))
-        self.wait(lambda: not self.node.planner.knows(id_), 'the result is with the node')
+        self.wait(lambda: not self.node.planner.holds(id_), 'the result is with the node')
         self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')

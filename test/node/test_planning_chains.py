@@ -56,7 +56,7 @@ def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) 
     bench = blended(ros_nodes)
     targets = steps(bench, 3)
     ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
-    bench.wait(lambda: all(bench.node.planner.knows(id_) for id_ in ids), 'all are held')
+    bench.wait(lambda: all(bench.node.planner.holds(id_) for id_ in ids), 'all are held')
     plans = bench.collect('motion_plan', DiagnosticStatus, COMMAND, diagnostic_values)
     bench.wait(lambda: bench.peer.count_publishers('motion_plan'), 'the plans are heard')
     set_zones(bench, 0.0)
@@ -90,7 +90,8 @@ def test_a_chain_that_was_canceled_tells_which_of_its_motions_were_passed(ros_no
     (motion,) = bench.node.planner.motions
     first, second, _ = motion.ends.values()
     between = 0.5 * (first + second) / motion.trajectory.duration
-    stopped = MotionResult(ids[-1], ok=False, message='canceled by ~/cancel', details={'progress': str(between)})
+    progress = {'progress': str(between)}
+    stopped = MotionResult(ids[-1], ok=False, message='canceled by ~/cancel', details=progress)
     bench.publish('motion_result', motion_result_message(stopped, ROBOT))
     bench.wait(lambda: len(bench.results) == 3, 'a result for each')
     results = {result.id: (result.ok, result.message) for result in bench.results}
@@ -114,7 +115,7 @@ def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
     set_zones(bench, 0.05)
     targets = steps(bench, 2)
     first = bench.command('ptpjoint_joint', targets[0], 5)
-    bench.wait(lambda: bench.node.planner.knows(first), 'the first is held')
+    bench.wait(lambda: bench.node.planner.holds(first), 'the first is held')
     set_zones(bench, 0.0)  # nothing that it could run through to is coming
     bench.planned()
     bench.command('ptpjoint_joint', targets[1], 6)
@@ -128,7 +129,7 @@ def test_a_longer_chain_than_is_planned_at_once_goes_on_from_the_middle_of_the_p
     bench.wait(lambda: bench.peer.count_publishers('motion_plan'), 'the plans are heard')
     targets = enumerate(steps(bench, WINDOW + 3))
     ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in targets]
-    bench.wait(lambda: all(bench.node.planner.knows(id_) for id_ in ids), 'all are held')
+    bench.wait(lambda: all(bench.node.planner.holds(id_) for id_ in ids), 'all are held')
     set_zones(bench, 0.0)
     bench.wait(lambda: len(bench.trajectories) == 2, 'two trajectories')
     first, second = bench.trajectories

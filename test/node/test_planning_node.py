@@ -168,7 +168,7 @@ def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: PlanningBen
     stopped = bench.node.get_clock().now().nanoseconds * 1e-9 + 3600.0
     late = MotionResult(first, ok=False, message='stopped', details={'ended': f'{stopped:.9f}'})
     bench.publish('motion_result', motion_result_message(late, ROBOT))
-    bench.wait(lambda: not bench.node.planner.knows(first), 'the stop is with the node')
+    bench.wait(lambda: not bench.node.planner.holds(first), 'the stop is with the node')
     void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
     assert f'given up with motion {first} before it' in bench.refusal(void).message
     assert len(bench.trajectories) == 1
@@ -515,7 +515,7 @@ def test_what_is_planned_when_the_robot_is_stopped_is_not_sent_and_what_comes_la
     assert begun.wait(60.0)
     until = bench.node.time()
     later = bench.command('ptpjoint_joint', home + 0.1, 13)
-    bench.wait(lambda: bench.node.planner.knows(later), 'the second command')
+    bench.wait(lambda: bench.node.planner.holds(later), 'the second command')
     stop = diagnostic_status('stop', 'canceled by ~/cancel', hardware_id='', until=f'{until:.9f}')
     bench.publish('stop_status', stop, STATE)
     bench.wait(lambda: bench.node.planner._queue.failures, 'that it is given up')

@@ -114,7 +114,7 @@ def test_strangers_do_not_disturb_a_motion_and_are_named(ros_nodes: Any) -> None
         ('/controller_node', 'joint_states', JointState(name=NAMES, position=doubles(HOME + 0.6))),
     ):
         cell.until_named(node, topic, forged)
-    assert cell.planner.planner.knows(id_)  # the forged result ended nothing
+    assert cell.planner.planner.holds(id_)  # the forged result ended nothing
     cell.publish('override', Float64(data=1.0), STATE)
 
     def ends() -> list[MotionResult]:  # the forged ones have no duration

@@ -33,7 +33,7 @@ class Robots:
 
     def deliver(self, sender: str, receiver: str) -> None:
         if sender != receiver:
-            self.zones[receiver].hear(sender, parse_zone_state(self.zones[sender].state.text()))
+            self.zones[receiver].receive(sender, parse_zone_state(self.zones[sender].state.text()))
 
     def move(self, name: str) -> None:
         """Into the zone if the robot may, or out of it."""
@@ -92,7 +92,7 @@ def test_each_gets_its_turn(number: int, random: object) -> None:
 def test_a_silent_robot_grants_nothing_and_is_named() -> None:
     zone = SharedZone('/a', ['/b', '/c'], 1)
     zone.step(needed=True, inside=False)
-    zone.hear('/c', ZoneState(None, {'/a': zone.state.claim}))  # type: ignore[dict-item]
+    zone.receive('/c', ZoneState(None, {'/a': zone.state.claim}))  # type: ignore[dict-item]
     zone.step(needed=True, inside=False)
     assert not zone.mine
     assert zone.missing == ('/b',)
@@ -100,7 +100,7 @@ def test_a_silent_robot_grants_nothing_and_is_named() -> None:
 
 def test_a_grant_from_before_a_restart_does_not_count() -> None:
     zone = SharedZone('/a', ['/b'], 2)
-    zone.hear('/b', ZoneState(None, {'/a': Claim(1, life=1)}))
+    zone.receive('/b', ZoneState(None, {'/a': Claim(1, life=1)}))
     zone.step(needed=True, inside=False)
     assert not zone.mine
 
@@ -108,7 +108,7 @@ def test_a_grant_from_before_a_restart_does_not_count() -> None:
 def test_a_robot_that_starts_inside_lets_nobody_in() -> None:
     zone = SharedZone('/a', ['/b'], 1)
     for inside in (None, True):
-        zone.hear('/b', ZoneState(Claim(1, 7)))
+        zone.receive('/b', ZoneState(Claim(1, 7)))
         zone.step(needed=False, inside=inside)
         assert not zone.state.granted
     zone.step(needed=False, inside=False)

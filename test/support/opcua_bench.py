@@ -85,7 +85,7 @@ class Served:
             programs=programs,
             host='127.0.0.1',
             tcp_port=self.port,
-            told=self.told.append,
+            log=self.told.append,
         )
         self.keys: dict[str, tuple[str, str]] = {}
 

@@ -45,7 +45,7 @@ def test_every_command_is_planned_once_in_its_order_and_a_chain_ends_where_it_st
     held = []
     for number, how in enumerate(kinds):
         held.append(queue.hold(order(number, how)))
-        assert queue.knows(str(number))
+        assert queue.holds(str(number))
     held.append(queue.release())
     chains = [chain for chain in held if chain is not None]
     assert [item.id for chain in chains for item in chain.commands] == [str(n) for n in range(len(kinds))]
@@ -76,7 +76,7 @@ def test_a_motion_that_is_carried_on_leaves_its_last_commands_to_the_next_one() 
     ended = queue.ended('2', ok=True, at=9.0)
     assert ended is not None
     assert [*ended.ends] == ['1', '2']
-    assert [queue.knows(id_) for id_ in '1234'] == [False, False, True, True]
+    assert [queue.holds(id_) for id_ in '1234'] == [False, False, True, True]
     assert queue.running == (second,)
 
 
@@ -85,15 +85,15 @@ def test_an_order_is_known_until_it_is_refused_or_over() -> None:
     for number in (1, 2, 3):
         queue.hold(order(number))
     queue.refused('1')
-    assert [queue.knows(id_) for id_ in '123'] == [False, True, True]
+    assert [queue.holds(id_) for id_ in '123'] == [False, True, True]
     assert queue.planned(running('2', '3'), queue.failures)
     assert queue.ended('2', ok=True, at=9.0) is None  # a chain is known by its last command
     motion = queue.ended('3', ok=True, at=9.0)
     assert motion is not None
     assert [*motion.ends] == ['2', '3']
     assert motion.id == '3'
-    assert not queue.knows('2')
-    assert not queue.knows('3')
+    assert not queue.holds('2')
+    assert not queue.holds('3')
 
 
 def test_motions_run_in_the_order_in_which_they_were_planned() -> None:
@@ -115,7 +115,7 @@ def test_a_failure_takes_with_it_what_was_commanded_before_it_ended() -> None:
     failures = queue.failures
     assert queue.ended('1', ok=False, at=3.5) is not None
     assert queue.running == ()
-    assert not queue.knows('2')
+    assert not queue.holds('2')
     assert 'given up with motion 1 before it' in queue.given_up([order(3)])
     assert queue.given_up([order(4)]) == ''
     assert queue.given_up([order(3), order(4)]) != ''  # a chain begins with its first command
@@ -145,8 +145,8 @@ def test_a_replaced_motion_is_forgotten_but_no_failure() -> None:
     queue.replaced(old)
     assert queue.running == (new,)
     assert queue.failures == 0
-    assert not queue.knows('1')
-    assert queue.knows('2')
+    assert not queue.holds('1')
+    assert queue.holds('2')
     assert queue.ended('1', ok=False, at=9.0) is None  # its own result changes nothing
     assert queue.failures == 0
 
@@ -158,8 +158,8 @@ def test_a_lost_controller_forgets_what_runs_and_nothing_else() -> None:
     queue.planned(running('1'), 0)
     queue.forget()
     assert queue.running == ()
-    assert not queue.knows('1')
-    assert queue.knows('2')
+    assert not queue.holds('1')
+    assert queue.holds('2')
     chain = queue.release()
     assert chain is not None
     assert [item.id for item in chain.commands] == ['2']

@@ -185,7 +185,7 @@ def test_without_a_robot_that_stands_nothing_is_planned(cell: Cell, q_dot: float
     assert (result.id, result.ok) == ('1', False)
     assert ('still moving' if q_dot else 'no joint_reference received') in result.message
     assert cell.refusals == [f'ptpjoint_joint: {result.message}']
-    assert not cell.planner.knows('1')
+    assert not cell.planner.holds('1')
 
 
 def test_after_a_failure_what_was_commanded_before_its_end_is_void(cell: Cell) -> None:
@@ -294,7 +294,7 @@ def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
     assert cell.ids == ['1']
     cell.present -= {b'first'}
     cell.move('2', 0.1)
-    assert not cell.planner.knows('1')
+    assert not cell.planner.holds('1')
     np.testing.assert_array_equal(cell.trajectory(1).position[0], START)
 
 

@@ -383,7 +383,7 @@ def test_a_port_that_is_taken_is_named(plain: Served, programs: Path) -> None:
             programs=programs,
             host='127.0.0.1',
             tcp_port=plain.port,
-            told=print,
+            log=print,
         )
 
 

@@ -103,7 +103,7 @@ class Guarded:
     def __init__(self) -> None:
         self.time, self.told = 0.0, list[str]()
         self.guard = PasswordGuard(
-            self._app, PASSWORD, title='<arm>', told=self.told.append, now=lambda: self.time
+            self._app, PASSWORD, title='<arm>', log=self.told.append, now=lambda: self.time
         )
         self.cookies: dict[str, str] = {}
 

@@ -272,7 +272,7 @@ def test_one_viewer_operates_and_another_one_takes_over_on_purpose() -> None:
         desk.operator.take_control(OTHER)
     assert desk.cell.commanded().any()
     told: list[str] = []
-    desk.operator.desk.told = told.append
+    desk.operator.desk.log = told.append
     desk.operator.take_control(OTHER, address='192.168.0.7', from_other=True)
     assert told == ['the page at 192.168.0.7 operates the robot']
     assert not desk.cell.commanded().any()

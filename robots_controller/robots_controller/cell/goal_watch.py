@@ -16,7 +16,7 @@ class GoalWatch:
     def __init__(self, name: str) -> None:
         self._name = name
         self._asked = math.inf  # s, since when the goal has no answer
-        self._heard: tuple[object, float] = None, math.inf  # the newest feedback, and since when, s
+        self._received: tuple[object, float] = None, math.inf  # the newest feedback, and since when, s
         self.executed = False
         """The driver has accepted the goal, and it has not ended."""
 
@@ -34,8 +34,8 @@ class GoalWatch:
 
     def measured(self, newest: object, now: float) -> None:
         """Take the newest feedback of the robot at a time, s; the same object is no new one."""
-        if newest is not self._heard[0]:
-            self._heard = newest, now
+        if newest is not self._received[0]:
+            self._received = newest, now
 
     def problem(self, now: float, *, served: bool) -> str:
         """Why the goal must be given up; '' if it need not.
@@ -48,6 +48,6 @@ class GoalWatch:
             return f'{self._name} has not answered for {ANSWER_PATIENCE:g} s'
         if self.executed and not served:
             return f'{self._name} is not served any more'
-        if self.executed and now - self._heard[1] > ANSWER_PATIENCE:
+        if self.executed and now - self._received[1] > ANSWER_PATIENCE:
             return f'no joint_states for {ANSWER_PATIENCE:g} s while the robot moves'
         return ''

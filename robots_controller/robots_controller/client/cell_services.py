@@ -69,7 +69,7 @@ class CellServices:
         request: Any = None,
         on_answer: Callable[[Any], None] = lambda _: None,
     ) -> None:
-        """Call a service without waiting for its answer, of which the node's thread is told."""
+        """Call a service without waiting; the node's thread takes its answer."""
         future = self._client(service, kind).call_async(kind.Request() if request is None else request)
         future.add_done_callback(lambda answered: on_answer(answered.result()))
 

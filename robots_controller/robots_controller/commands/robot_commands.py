@@ -67,7 +67,7 @@ def list_robots(options: argparse.Namespace, console: Console) -> int:
     if console.is_terminal:
         pictures = [f'{escape(robot.name)}\n{robot_picture(robot, *SMALL)}\n' for robot in robots]
         console.print(Columns(pictures, equal=True), highlight=False, soft_wrap=False)
-    console.print(f'{len(rows)} robots; robots show NAME tells more of one')
+    console.print(f'{len(rows)} robots; robots show NAME describes one')
     return ExitCode.OK
 
 

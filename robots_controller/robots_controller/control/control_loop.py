@@ -144,11 +144,11 @@ class ControlLoop:
         if zones is not None:
             self._mailbox.append(lambda _: zones.close(closed))
 
-    def hear_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
+    def receive_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
         """Take the states that another robot has published of the zones shared with it."""
         zones = self.controller.speed.zones
         if zones is not None:
-            self._mailbox.append(lambda _: zones.hear(robot, states))
+            self._mailbox.append(lambda _: zones.receive(robot, states))
 
     def change_borders(self) -> None:
         """Search the paths of the motions that there are anew for the borders of zones."""

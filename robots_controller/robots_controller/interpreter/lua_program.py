@@ -72,7 +72,7 @@ class LuaProgram(ProgramState):
         )
         self._convention = orientation_convention
         self._hold_lock = threading.Lock()
-        self._told_hold = False
+        self._reported_hold = False
         self.debugger = Debugger()
         self.hold_reason: HoldReason = ''
         """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
@@ -254,7 +254,7 @@ class LuaProgram(ProgramState):
         if not self.change_run_state(RunState.RUNNING, RunState.PAUSED):
             return False
         self._set_hold_reason(reason)
-        self._tell_hold()
+        self._report_hold()
         return True
 
     def _release(self, step: Step | None) -> bool:
@@ -264,18 +264,18 @@ class LuaProgram(ProgramState):
             self.debugger.step(step)
             self._set_hold_reason('')
             released = self.change_run_state(RunState.PAUSED, RunState.RUNNING)
-        self._tell_hold()
+        self._report_hold()
         return released
 
     def _set_hold_reason(self, reason: HoldReason) -> None:
         self.hold_reason, self.call_stack = reason, CallStack()
 
-    def _tell_hold(self) -> None:
+    def _report_hold(self) -> None:
         # One at a time: the state reported last is the present one.
         with self._hold_lock:
             held = self.robot_held
-            if held != self._told_hold:
-                self._told_hold = held
+            if held != self._reported_hold:
+                self._reported_hold = held
                 self._cell.hold(held=held)
 
     def _set_call_stack(self, stack: CallStack) -> None:
@@ -299,7 +299,7 @@ class LuaProgram(ProgramState):
             view,
             self.debugger,
             hold=self._hold,
-            tell_hold=self._tell_hold,
+            report_hold=self._report_hold,
             held=self._set_call_stack,
             line=self._set_line,
         )
@@ -323,9 +323,9 @@ class LuaProgram(ProgramState):
             else:
                 self.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
         if self.motions:  # what stopped the robot releases it too
-            self._told_hold = False
+            self._reported_hold = False
         else:
-            self._tell_hold()
+            self._report_hold()
         return error
 
     def _set_line(self, source: LuaSource, line: int) -> None:

@@ -33,7 +33,7 @@ class ProgramRun:
         view: The robot as the program reads it.
         debugger: Where to hold.
         hold: Holds the program, if it runs.
-        tell_hold: The robot shall stand on its path, or continue.
+        report_hold: The robot shall stand on its path, or continue.
         held: The program is held and looks like this; without frames: it continues.
         line: The program or subprogram calls a robot function on another line, or is held before a line.
     """
@@ -47,7 +47,7 @@ class ProgramRun:
         debugger: Debugger,
         *,
         hold: Callable[[HoldReason], bool],
-        tell_hold: Callable[[], None],
+        report_hold: Callable[[], None],
         held: Callable[[CallStack], None],
         line: Callable[[LuaSource, int], None],
     ) -> None:
@@ -56,9 +56,9 @@ class ProgramRun:
         self._cell = cell
         self._debugger = debugger
         self._hold = hold
-        self._tell_hold = tell_hold
+        self._report_hold = report_hold
         self._held = held
-        self._tell_line = line
+        self._report_line = line
         self._sources = {source.chunk_name: source}
         self._chunk = ''
         self._robot = RunContext(state, cell, view, self._subprogram, hold)
@@ -156,7 +156,7 @@ class ProgramRun:
                 state.tasks.run(due)
                 return -due
             handler = self._functions.motions.begin_handler()
-        self._tell_hold()
+        self._report_hold()
         return handler
 
     def held(self, *records: str) -> Attention:
@@ -164,7 +164,7 @@ class ProgramRun:
         stack = call_stack(records)
         if stack.frames:
             frame = stack.frames[0]
-            self._tell_line(self._sources.get(frame.chunk, self._source), frame.line)
+            self._report_line(self._sources.get(frame.chunk, self._source), frame.line)
         self._held(stack)
         while True:
             self._state.hold()
@@ -180,14 +180,14 @@ class ProgramRun:
         try:
             self._functions.motions.handled(abort=abort)
         finally:
-            self._tell_hold()
+            self._report_hold()
 
     # -- inside -----------------------------------------------------------------------------------
 
     def _set_line(self, chunk: str, line: int) -> None:
         if (chunk, line) != (self._chunk, self._robot.line):
             self._chunk, self._robot.line = chunk, line
-            self._tell_line(self._sources.get(chunk, self._source), line)
+            self._report_line(self._sources.get(chunk, self._source), line)
 
     def _motion_ended(self) -> None:
         reason = self._debugger.at_motion_end()

@@ -24,9 +24,9 @@ class InputValue:
         self.row = row
         self.stamp = math.nan
         """Of the newest value, s since 1970."""
-        self._heard = start
+        self._last = start
         self._known = False
-        self._spoke = False
+        self._sending = False
         self._value = row.fail_safe
         self._coming: float | None = None  # what is debounced
         self._since = start
@@ -45,7 +45,7 @@ class InputValue:
         value = from_field(self.row, raw)
         self.stamp = stamp
         self.update(now)
-        first, self._spoke, self._known, self._heard = not self._spoke, True, True, now
+        first, self._sending, self._known, self._last = not self._sending, True, True, now
         if value == self._value or self.row.debounce == 0.0 or first:
             self._value, self._coming = value, None
         elif value != self._coming:
@@ -56,13 +56,13 @@ class InputValue:
         if self._coming is not None and now >= self._since + self.row.debounce:
             self._value, self._coming = self._coming, None
         if self.silent(now):
-            # Once heard again its first value counts at once, as at the start.
-            self._value, self._coming, self._spoke = self.row.fail_safe, None, False
+            # The first value after a silence counts at once, as at the start.
+            self._value, self._coming, self._sending = self.row.fail_safe, None, False
         return self._value
 
     def silent(self, now: float) -> bool:
         """It has been waiting for a message longer than its timeout."""
-        return now >= self._heard + self.row.timeout
+        return now >= self._last + self.row.timeout
 
     def unknown(self, now: float) -> str:
         """Why the value is not that of its place, for a person; '' if it is."""
@@ -74,7 +74,7 @@ class InputValue:
     def next_time(self, now: float) -> float:
         """When the value may change without a message, s; infinite for never."""
         debounced = math.inf if self._coming is None else self._since + self.row.debounce
-        return min(debounced, math.inf if self.silent(now) else self._heard + self.row.timeout)
+        return min(debounced, math.inf if self.silent(now) else self._last + self.row.timeout)
 
 
 def from_field(row: IoRow, raw: object) -> float:

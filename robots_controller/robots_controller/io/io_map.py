@@ -265,4 +265,4 @@ def _check_topics(rows: list[IoRow]) -> None:
     for (topic, direction), (row, _) in seen.items():
         if direction == 'output' and (topic, 'input') in seen:
             line = seen[topic, 'input'][0].line
-            raise row.error(f'{topic} is an input in line {line}; the bridge would hear itself')
+            raise row.error(f'{topic} is an input in line {line}; the bridge would receive its own messages')

@@ -44,7 +44,7 @@ class CellView:
         self.console = console
         self._waiting = list(nodes)
         self._place = ('', 0)  # file and line
-        self._told: dict[str, float] = {}
+        self._shown: dict[str, float] = {}
         self._commanded: dict[str, MotionCommanded] = {}  # by id, not planned yet, oldest first
         self._planned: dict[str, str] = {}  # kinds by id, not ended yet, oldest first
         self._running: str | None = None  # id of the motion that has the bar
@@ -117,10 +117,10 @@ class CellView:
     def _is_news(self, event: NodeHealth) -> bool:
         """Not printed for this node within the last seconds: the same trouble often repeats."""
         now = time.monotonic()
-        last = self._told.get(event.node, -REPEAT_TIME)
+        last = self._shown.get(event.node, -REPEAT_TIME)
         if now - last < REPEAT_TIME:
             return False
-        self._told[event.node] = now
+        self._shown[event.node] = now
         return True
 
     def _show_program(self, event: ProgramStatus) -> None:

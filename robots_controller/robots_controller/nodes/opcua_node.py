@@ -59,7 +59,7 @@ class OpcuaNode(RobotNode):
             programs=programs,
             host=host,
             tcp_port=port,
-            told=self.journal.warning,
+            log=self.journal.warning,
         )
 
     def destroy_node(self) -> None:

@@ -75,7 +75,7 @@ class PendantNode(RobotNode):
             self._make_planning,
             Recording(Path(recordings).resolve(), self.robot_name, self.get_namespace()),
         )
-        self.operator.desk.told = self.journal.info
+        self.operator.desk.log = self.journal.info
         WatchedScene(self, self._on_scene)
         reader = CellReader(self, self.operator)
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
@@ -100,7 +100,7 @@ class PendantNode(RobotNode):
             port=port,
             title=self.robot.name,
             access=access,
-            told=self.journal.warning,
+            log=self.journal.warning,
             report=self.operator.recording.report,
             scene=lambda: self.operator.state.scene_url,
             connection_timeout=connection_timeout,

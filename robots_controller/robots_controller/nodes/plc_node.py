@@ -55,9 +55,9 @@ class PlcNode(RobotNode):
         self._plc = ScriptedPlc(script, self.now())
         self._timer = self.create_timer(IDLE_PERIOD, self._step, autostart=False)
         self._written: deque[tuple[str, float]] = deque()
-        self._heard = self.create_guard_condition(self._on_written)
+        self._received = self.create_guard_condition(self._on_written)
         self._servers: list[PlcServer] = [
-            make(script.channels, port, self._hear) for make, port in servers.items() if port
+            make(script.channels, port, self._receive) for make, port in servers.items() if port
         ]
         if self._servers and self.simulated_time:
             raise InvalidInputError(
@@ -84,9 +84,9 @@ class PlcNode(RobotNode):
                 self._inputs.set(channel, value)
             self._inputs.publish()
 
-    def _hear(self, name: str, value: float) -> None:
+    def _receive(self, name: str, value: float) -> None:
         self._written.append((name, value))
-        self._heard.trigger()
+        self._received.trigger()
 
     def _on_written(self) -> None:
         while self._written:

@@ -39,7 +39,7 @@ class RobotServer:
         programs: Folder of the robot programs that clients may load.
         host: Address to listen at.
         tcp_port: Port there, 1..65535.
-        told: Gets what is to be logged, in any thread.
+        log: Gets what is to be logged, in any thread.
 
     Raises:
         InvalidInputError: a port that is taken, a host that this machine does not have, or certificates that
@@ -55,7 +55,7 @@ class RobotServer:
         programs: Path,
         host: str,
         tcp_port: int,
-        told: Callable[[str], object],
+        log: Callable[[str], object],
     ) -> None:
         low, high = PORTS
         if not low <= tcp_port <= high:
@@ -68,11 +68,11 @@ class RobotServer:
         # What matters of its messages is answered to the client, or raised here.
         logging.getLogger('asyncua').setLevel(logging.CRITICAL)
         self.url: Final = f'opc.tcp://{host}:{tcp_port}'
-        self._robot, self._port, self._settings, self._told = robot, port, settings, told
+        self._robot, self._port, self._settings, self._log = robot, port, settings, log
         self._programs = programs
-        self._access = ServerAccess(settings, told)
+        self._access = ServerAccess(settings, log)
         self._state = PendantState()
-        self._control = TaskControl(port, programs, lambda: self._state, told)
+        self._control = TaskControl(port, programs, lambda: self._state, log)
         self._thread = LoopThread('OPC UA')
         self._server: Server | None = None
         self._updating: Any = None
@@ -146,4 +146,4 @@ class RobotServer:
         if event.is_external:
             nodes, answers = event.request_params.NodesToWrite, event.response_params
             for text in await self._nodes.channels.take_written(self._port, nodes, answers):
-                self._told(f'refused to write {text}')
+                self._log(f'refused to write {text}')

@@ -47,14 +47,14 @@ class ServerAccess(PermissionRuleset):  # type: ignore[misc]
 
     Args:
         settings: Who may do what.
-        told: Gets who was refused, in any thread.
+        log: Gets who was refused, in any thread.
 
     Raises:
         InvalidInputError: a file that cannot be read.
     """
 
-    def __init__(self, settings: ServerSettings, told: Callable[[str], object]) -> None:
-        self._anonymous, self._told = settings.anonymous, told
+    def __init__(self, settings: ServerSettings, log: Callable[[str], object]) -> None:
+        self._anonymous, self._log = settings.anonymous, log
         self._passwords = {
             user.name: (user, read_password(user.password_file))
             for user in settings.users
@@ -84,13 +84,13 @@ class ServerAccess(PermissionRuleset):  # type: ignore[misc]
         if username is not None:
             known, expected = self._passwords.get(username, (None, ''))
             if known is None or not hmac.compare_digest(expected.encode(), (password or '').encode()):
-                self._told(f'refused a client: user {username!r} is unknown, or its password is wrong')
+                self._log(f'refused a client: user {username!r} is unknown, or its password is wrong')
                 return None
             return _user(known)
         if (found := self._certificates.get(certificate or b'')) is not None:
             return _user(found)
         if not self._anonymous:
-            self._told('refused a client without a user')
+            self._log('refused a client without a user')
             return None
         return User(role=UserRole.Anonymous)
 
@@ -102,7 +102,7 @@ class ServerAccess(PermissionRuleset):  # type: ignore[misc]
     async def check_certificate(self, certificate: x509.Certificate, application: Any) -> None:
         """Refuse a client whose certificate is not trusted."""
         if self._trusted and certificate.public_bytes(Encoding.DER) not in self._trusted:
-            self._told(f'refused a client: the certificate of {application.ApplicationUri} is not trusted')
+            self._log(f'refused a client: the certificate of {application.ApplicationUri} is not trusted')
             raise ua.UaStatusCodeError(ua.StatusCodes.BadCertificateUntrusted)
 
 

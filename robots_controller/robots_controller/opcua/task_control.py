@@ -60,7 +60,7 @@ class TaskControl:
         port: The cell.
         programs: Folder of the robot programs that clients may load.
         state: What is known of the cell now.
-        told: Gets what the cell has refused, and why.
+        log: Gets what the cell has refused, and why.
     """
 
     def __init__(
@@ -68,16 +68,16 @@ class TaskControl:
         port: RobotPort,
         programs: Path,
         state: Callable[[], PendantState],
-        told: Callable[[str], object],
+        log: Callable[[str], object],
     ) -> None:
-        self._port, self._programs, self._state, self._told = port, programs, state, told
+        self._port, self._programs, self._state, self._log = port, programs, state, log
         self._loaded: tuple[str, PendantState | None] = '', None
         """The program that was loaded here last, and what was known of the cell before."""
 
     def start(self) -> Status:
         """Run the program, or continue it where it was held."""
         if self._state().fault:
-            self._told(f'Start is refused: {self._state().fault}')
+            self._log(f'Start is refused: {self._state().fault}')
             return Status.ACTIVE_ALARM
         # What is known of the program may be older than what the cell does.
         held = self._state().program.state is RunState.PAUSED
@@ -134,7 +134,7 @@ class TaskControl:
         loaded = self._loaded_name()
         if name is not None and (not loaded or name != loaded):
             self._check(name)
-            self._told(
+            self._log(
                 f'Unload is refused: {name!r} is not loaded; {f"{loaded!r} is" if loaded else "none is"}'
             )
             return Status.SYSTEM_STATE
@@ -164,9 +164,9 @@ class TaskControl:
         try:
             work()
         except NoAnswerError as error:
-            self._told(f'{method}: {error}')
+            self._log(f'{method}: {error}')
             return Status.UNEXPECTED_ERROR
         except RobotsError as error:
-            self._told(f'{method} is refused: {error}')
+            self._log(f'{method} is refused: {error}')
             return Status.SYSTEM_STATE
         return Status.OK

@@ -15,7 +15,7 @@ class ControlDesk:
         """The viewer in control; '' for none."""
         self.address = ''
         """Of its browser."""
-        self.told: Callable[[str], object] = str
+        self.log: Callable[[str], object] = str
         """Gets who has taken control, for a log."""
 
     def take(self, viewer: str, *, address: str = '', from_other: bool = False) -> None:
@@ -32,7 +32,7 @@ class ControlDesk:
         if self.holder not in ('', viewer) and not from_other:
             raise NotPermittedError(Reason('controlled'))
         if viewer != self.holder:
-            self.told(f'the page at {address} operates the robot')
+            self.log(f'the page at {address} operates the robot')
         self.holder, self.address = viewer, address
 
     def give_back(self, viewer: str) -> None:

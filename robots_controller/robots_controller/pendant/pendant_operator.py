@@ -61,7 +61,7 @@ class PendantOperator:
         robot: The robot.
         port: The cell.
         now: Time, s.
-        planning: Makes the planner of previews when the first one is wanted; by default one that knows no
+        planning: Makes the planner of previews when the first one is wanted; by default one without
             obstacles.
         recording: Of what happens in the cell; by default to the folder 'out'.
     """

@@ -45,7 +45,7 @@ INSTEAD: Final = {
         "call('name') runs another program",
     ),
     'io': 'print(...) writes to the log',
-    'os': 'getTime() tells the time',
+    'os': 'getTime() returns the time',
 }
 """What programs have in the place of libraries of Lua that they do not have."""
 

@@ -34,7 +34,7 @@ def planned_way(planning: PathPlanning, motion: SimulatedMotion) -> PlannedWay:
     """The way of a motion that was planned.
 
     Args:
-        planning: Knows the robot and what is around it.
+        planning: Of the robot, with what is around it.
         motion: The motion, with its plan.
     """
     assert motion.plan is not None

@@ -87,7 +87,7 @@ class SimulatedGuide:
         self._on_message, self._on_point = on_message, on_point
         self._source = source
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
-        self._heard = False  # since the last step of the sensor's stream
+        self._received = False  # since the last step of the sensor's stream
         if source is not None:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
             self._carried = CarriedPayload(movement.load)
@@ -104,7 +104,7 @@ class SimulatedGuide:
         """When something happens next, s: now while a stream moves the robot; infinite for never."""
         if self._source is None or self._source.start is None:
             return math.inf
-        if self._heard or self._sensor.streaming or self._jogging.active:
+        if self._received or self._sensor.streaming or self._jogging.active:
             return 0.0
         return self._source.next_time / NANOSECONDS
 
@@ -151,7 +151,7 @@ class SimulatedGuide:
         for time in self._sensor_times.due(nanoseconds):
             # As in nodes, a step does not use what comes after it, however rare the controller's periods are.
             self._take_messages(source, time)
-            self._heard = False
+            self._received = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
         self._take_messages(source, nanoseconds)
 
@@ -186,7 +186,7 @@ class SimulatedGuide:
             self._sensor.put_twist(message.value, message.valid / NANOSECONDS)
         else:  # of a vehicle, which its cockpit has taken
             return
-        self._heard = True
+        self._received = True
 
     def _jog(self, message: GuidingMessage) -> None:
         active, command = self._jogging.active, message.value

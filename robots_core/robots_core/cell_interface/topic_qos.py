@@ -53,8 +53,8 @@ class TopicQos:
         published: Of its publishers in the suite.
         subscribed: Of the subscriptions that a subscriber has at once.
         polled: Of the subscription of a loop that looks for the newest message itself.
-        unacknowledged: Publishers that are not reliable are heard too, by one more subscription that is made
-            when there is one.
+        unacknowledged: Publishers that are not reliable are received too, by one more subscription that is
+            made when there is one.
     """
 
     published: Profile
@@ -65,12 +65,12 @@ class TopicQos:
     @property
     def text(self) -> str:
         """As the documentation has it: the publisher's profile, and the subscribers' where they differ."""
-        heard = ' and '.join(one.name for one in self.subscribed)
-        heard += ', also best-effort' if self.unacknowledged else ''
+        subscribed = ' and '.join(one.name for one in self.subscribed)
+        subscribed += ', also best-effort' if self.unacknowledged else ''
         polled = '' if self.polled in self.subscribed else f'; polled {self.polled.name}'
-        if heard + polled == self.published.name:
-            return heard
-        return f'{self.published.name} → {heard}{polled}'
+        if subscribed + polled == self.published.name:
+            return subscribed
+        return f'{self.published.name} → {subscribed}{polled}'
 
 
 def _one(profile: Profile) -> TopicQos:
@@ -137,7 +137,7 @@ _ROWS: Final[dict[str, TopicQos]] = {
     **dict.fromkeys(_OWN_STATES, _one(STATE)),
     **dict.fromkeys(_STATES_OF_ANYONE, _STATE_OF_ANYONE),
     **dict.fromkeys(_COMMANDS, _one(COMMAND)),
-    # Drivers that send sensor data unacknowledged are heard too. The next reference comes before a lost
+    # Drivers that send sensor data unacknowledged are received too. The next reference comes before a lost
     # one could be sent again, so its publisher need not ask again and again what has arrived.
     **dict.fromkeys(('joint_states', 'measured_wrench', 'joint_reference'), _MEASURED),
     'motion_progress': TopicQos(STATE, (STREAM,), STREAM),

@@ -78,7 +78,7 @@ class WriterWatch:
     _writers: dict[bytes, str] = field(default_factory=dict)  # with their nodes' names
     _strangers: dict[bytes, float] = field(default_factory=dict)  # with the time of the last look
     _unnamed: set[bytes] = field(default_factory=set)  # of a state
-    _heard: float = -math.inf  # of a stream
+    _last: float = -math.inf  # of a stream
 
     def accepts(self, identity: bytes, now: float) -> bool:
         """A message is of a writer.
@@ -88,7 +88,7 @@ class WriterWatch:
             now: s.
         """
         if identity in self._writers:
-            self._heard = now
+            self._last = now
             return True
         if now - self._strangers.get(identity, -math.inf) < LOOK_PERIOD:
             return False
@@ -105,7 +105,7 @@ class WriterWatch:
             self._writers.clear()
         self._writers[identity] = names.get(identity, '')
         self._strangers.pop(identity, None)
-        self._heard = now
+        self._last = now
         self._make_room()
         return True
 
@@ -130,7 +130,7 @@ class WriterWatch:
         if writers.stream:
             (present,) = self._writers or [b'']
             outranks = name in own and names.get(present, name) not in own
-            return not self._writers or outranks or now - self._heard > SILENCE
+            return not self._writers or outranks or now - self._last > SILENCE
         others = {one for one in names.values() if one != name}
         taken = others & (own | {*self._writers.values()})
         return name in own or len(taken) < writers.places

@@ -86,7 +86,7 @@ def subscribe_any_state(node: Node, message_type: Any, topic: str, callback: Cal
 def _subscribe_quietly(
     node: Node, message_type: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile
 ) -> None:
-    """Subscribe beside another subscription that hears the publishers which this one does not match.
+    """Subscribe beside another subscription that matches the publishers which this one does not.
 
     It does not warn that nothing will be received from them.
     """

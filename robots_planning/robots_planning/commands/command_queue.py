@@ -130,7 +130,7 @@ class CommandQueue:
 
     # -- commands ------------------------------------------------------------------------------------
 
-    def knows(self, id_: str) -> bool:
+    def holds(self, id_: str) -> bool:
         """A command with this id has come and is not over."""
         with self._lock:
             return id_ in self._known

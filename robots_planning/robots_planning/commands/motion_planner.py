@@ -119,9 +119,9 @@ class MotionPlanner:
         """Motions that were sent and have not ended, oldest first: the controller follows the first."""
         return self._queue.running
 
-    def knows(self, id_: str) -> bool:
+    def holds(self, id_: str) -> bool:
         """A command with this id has come and has not ended."""
-        return self._queue.knows(id_)
+        return self._queue.holds(id_)
 
     # -- commands -------------------------------------------------------------------------------------
 
@@ -139,7 +139,7 @@ class MotionPlanner:
         """
         if self.moving and not self._controllers <= self._port.controllers():
             self._queue.forget()  # the controller is gone, and its motions with it
-        if self.knows(id_):
+        if self.holds(id_):
             return False
         if not self._queue.chains(settings):
             self.release()

@@ -19,7 +19,7 @@ class Claim:
     """A robot's claim to a zone.
 
     Attributes:
-        number: Above those of all claims that the robot had heard of; the lower one goes first.
+        number: Above those of all claims that the robot had received; the lower one goes first.
         life: Of the process that claims: a claim from before a restart is another one.
     """
 
@@ -75,7 +75,7 @@ class SharedZone:
 
     A robot claims the zone, and has it when all others have granted this claim. It grants the claim of
     another one unless it has the zone or is inside, or has claimed it before: a claim's number is above those
-    that its robot had heard of, and among equal numbers the names decide. As only the newest state of each
+    that its robot had received, and among equal numbers the names decide. As only the newest state of each
     robot counts, states may come late, and some may be skipped. A robot that is silent or has died grants
     nothing, and keeps what it has.
 
@@ -87,7 +87,7 @@ class SharedZone:
 
     def __init__(self, name: str, others: Iterable[str], life: int) -> None:
         self._name, self._others, self._life = name, tuple(others), life
-        self._heard: dict[str, ZoneState] = {}
+        self._received: dict[str, ZoneState] = {}
         self._number = 0  # the highest known
         self.state = ZoneState()
         """For the others."""
@@ -100,9 +100,9 @@ class SharedZone:
         claim = self.state.claim
         return tuple(name for name in self._others if claim is None or not self._granted_by(name, claim))
 
-    def hear(self, name: str, state: ZoneState) -> None:
+    def receive(self, name: str, state: ZoneState) -> None:
         """Take the newest state of another robot."""
-        self._heard[name] = state
+        self._received[name] = state
         claims = [*state.granted.values(), *([] if state.claim is None else [state.claim])]
         self._number = max(self._number, *(claim.number for claim in claims), 0)
 
@@ -123,7 +123,7 @@ class SharedZone:
         if claim is not None and all(self._granted_by(name, claim) for name in self._others):
             self.mine = True
         granted = {}
-        for name, state in self._heard.items():
+        for name, state in self._received.items():
             theirs = state.claim
             if theirs is None:
                 continue
@@ -133,7 +133,7 @@ class SharedZone:
             self.state = ZoneState(claim, MappingProxyType(granted))
 
     def _granted_by(self, name: str, claim: Claim) -> bool:
-        state = self._heard.get(name)
+        state = self._received.get(name)
         return state is not None and state.granted.get(self._name) == claim
 
     def _yields(self, claim: Claim | None, inside: bool | None, name: str, theirs: Claim) -> bool:  # noqa: FBT001

@@ -121,11 +121,11 @@ class ZoneGuard:
         """Of shared zones, for the other robots."""
         return {name: shared.state for name, shared in self._shared.items()}
 
-    def hear(self, robot: str, states: Mapping[str, ZoneState]) -> None:
+    def receive(self, robot: str, states: Mapping[str, ZoneState]) -> None:
         """Take the states of another robot."""
         for name, state in states.items():
             if name in self._shared:
-                self._shared[name].hear(robot, state)
+                self._shared[name].receive(robot, state)
 
     def share(self, places: Sequence[Array], motion: FollowedMotion | None, *, streaming: bool) -> None:
         """Claim the shared zones that come near, and release those that are done with.

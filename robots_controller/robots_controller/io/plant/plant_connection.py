@@ -121,7 +121,7 @@ class PlantConnection:
         while not self._ended:
             began = time.monotonic()
             try:
-                self._link.open(self._hear)
+                self._link.open(self._receive)
                 due = self._link.read(began)  # one that takes connections may still not answer
                 self._set_up()
                 self._serve(due)
@@ -171,7 +171,7 @@ class PlantConnection:
         if refused or before or overtaken:
             self._notify()
 
-    def _hear(self, arrivals: Iterable[Arrival]) -> None:
+    def _receive(self, arrivals: Iterable[Arrival]) -> None:
         with self._changed:
             quiet = not self._arrivals
             for arrival in arrivals:

@@ -27,11 +27,11 @@ class PlantLink(Protocol):
     def kind(self, place: Place) -> str:
         """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
 
-    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+    def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect.
 
         Args:
-            hear: Takes what arrives from now on, in any thread.
+            receive: Takes what arrives from now on, in any thread.
         """
 
     def read(self, now: float) -> float:

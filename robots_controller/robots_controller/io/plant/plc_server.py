@@ -13,7 +13,7 @@ LEAST: Final = 16
 """Channels of each kind, also if the script has less."""
 HOST: Final = '127.0.0.1'
 
-Heard = Callable[[str, float], None]
+OnWritten = Callable[[str, float], None]
 """Takes the name of an output and the value that a client has written, in any thread."""
 
 

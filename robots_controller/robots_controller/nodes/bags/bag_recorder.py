@@ -80,8 +80,8 @@ class BagRecorder(Node):
 
     def records(self, topics: Iterable[str]) -> bool:
         """Every one of these topics is subscribed and has a publisher."""
-        heard = {name for name, topic in list(self._topics.items()) if topic.subscription.publishers > 0}
-        return all((topic if topic.startswith('/') else self._prefix + topic) in heard for topic in topics)
+        found = {name for name, topic in list(self._topics.items()) if topic.subscription.publishers > 0}
+        return all((topic if topic.startswith('/') else self._prefix + topic) in found for topic in topics)
 
     def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
         """Those of the topics, by their full names, that it records; None until it is subscribed to these."""

@@ -88,7 +88,7 @@ class WatchedZones:
     def _on_claims(self, other: str, message: DiagnosticStatus) -> None:
         assert self._control is not None
         texts = diagnostic_values(message)
-        self._control.hear_zones(other, {name: parse_zone_state(text) for name, text in texts.items()})
+        self._control.receive_zones(other, {name: parse_zone_state(text) for name, text in texts.items()})
 
     def _on_scene(self, scene: Scene) -> None:
         changed = scene.attached != self._scene.attached

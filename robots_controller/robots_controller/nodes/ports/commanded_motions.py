@@ -24,7 +24,7 @@ def commanded_motions(
     *,
     patience: float,
 ) -> ProgramMotions:
-    """Motions that hear of their results by `motion_result`; the owner calls `watch` now and then.
+    """Motions that get their results from `motion_result`; the owner calls `watch` now and then.
 
     Args:
         node: The node to subscribe from.

@@ -43,7 +43,7 @@ class ReferenceCheck:
         self.last: Array = np.zeros(axes.num_axes)
         """The last reference that was taken, (n,), rad (m)."""
         self._stamp = self._time = -np.inf
-        self._heard = -np.inf  # stamp of the last reference, taken or refused
+        self._newest = -np.inf  # stamp of the last reference, taken or refused
         self._timed = False  # the sender was not held up since the last reference that was taken
         self._mean: Array | None = None  # velocity up to the last reference; None if it is not known
         self._span = period  # s, that this is the mean of
@@ -58,7 +58,7 @@ class ReferenceCheck:
         self._mean = None
 
     def take(self, now: float, q: Array, stamp: float) -> None:
-        """Take the reference that was heard last; as for `problem`."""
+        """Take the reference that came last; as for `problem`."""
         self._span = stamp - self._stamp
         self._mean = (q - self.last) / self._span if self._timed else None
         self._take(now, q, stamp)
@@ -84,7 +84,7 @@ class ReferenceCheck:
             stamp: When the reference was due, s on its sender's clock; -inf if that is not known.
             sender_period: Time between two references of the sender, s; 0 if that is not known.
         """
-        self.hear(stamp, sender_period)
+        self.receive(stamp, sender_period)
         fast = np.abs(q_dot) > self._fastest
         if fast.any():
             return self._too_fast(q_dot, fast)
@@ -93,15 +93,15 @@ class ReferenceCheck:
             return self._beyond_limits(q, span)
         return self._too_far(q, max(elapsed, span))  # in this order: between unknown stamps the span is NaN
 
-    def hear(self, stamp: float, sender_period: float = 0.0) -> None:
+    def receive(self, stamp: float, sender_period: float = 0.0) -> None:
         """A reference has come; as for `problem`, which does this too."""
-        gap = stamp - self._heard
+        gap = stamp - self._newest
         self._timed &= bool(0.0 < gap <= JUDGED_PERIODS * (sender_period or self._period))
-        self._heard = stamp
+        self._newest = stamp
 
     def _take(self, now: float, q: Array, stamp: float) -> None:
         self.last, self._time, self._stamp = q, now, stamp
-        self._heard, self._timed = stamp, bool(np.isfinite(stamp))
+        self._newest, self._timed = stamp, bool(np.isfinite(stamp))
 
     def _too_fast(self, velocity: Array, fast: NDArray[np.bool_]) -> str:
         worst = int(fast.argmax())

@@ -184,7 +184,7 @@ class SupervisedDrives:
         if self.state is DriveState.BRAKED:
             reason = self._away(q, q_dot)
         elif q is check.last and not q_dot.any() and self.state is DriveState.FOLLOWING:
-            check.hear(stamp, sender_period)
+            check.receive(stamp, sender_period)
             reason = ''
         else:
             reason = check.problem(now, q, q_dot, stamp, sender_period)

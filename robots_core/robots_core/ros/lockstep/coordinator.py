@@ -85,7 +85,7 @@ class Coordinator:
         self._node, self._expected = node, frozenset(expected)
         self._on_error, self._on_held = on_error, on_held
         self._patience, self._joining_patience = patience, joining_patience
-        self._held, self._told_held = held, False
+        self._held, self._reported_held = held, False
         self._recorder, self._recorded = recorder, frozenset[str]()
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
@@ -100,7 +100,7 @@ class Coordinator:
         self._busy: set[str] = set()
         self._early: dict[str, dict[int, int]] = {}  # counts of endpoints that were not announced yet
         self._progress = time.monotonic()
-        self._time_told = -1
+        self._published_time = -1
 
         self._rosters = node.create_publisher(String, ROSTER, STATE)
         self._times = node.create_publisher(Int64MultiArray, TIME, STREAM)
@@ -131,7 +131,7 @@ class Coordinator:
 
     def release(self) -> None:
         """Let time pass."""
-        self._held = self._told_held = False
+        self._held = self._reported_held = False
         self._go_on()
 
     def end(self) -> None:
@@ -212,9 +212,9 @@ class Coordinator:
         self._sequence += 1
         now = self._agenda.time
         sent = [self._traffic.sent(topic) for topic in self._roster.polled]
-        advanced = now != self._time_told
+        advanced = now != self._published_time
         if advanced:  # before whatever is sent at this instant
-            self._time_told = now
+            self._published_time = now
             self.instants += 1
             self._clock.publish(_CLOCK.pack(LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
         if advanced or phase > Phase.DRIVES:
@@ -258,10 +258,10 @@ class Coordinator:
             self._fail(error)
             return
         if turn is not None:
-            self._told_held = False
+            self._reported_held = False
             self._give_turn(turn.phase, turn.participants)
-        elif self._held and not self._told_held:
-            self._told_held = True
+        elif self._held and not self._reported_held:
+            self._reported_held = True
             self._on_held()
 
     # -- patience ----------------------------------------------------------------------------------------

@@ -71,7 +71,7 @@ class ModbusLink:
         self._library = library('pymodbus.client', 'pymodbus', 'modbus')
         self._modbus_error = library('pymodbus.exceptions', 'pymodbus', 'modbus').ModbusException
         self._client: Any = None
-        self._hear: Callable[[Iterable[Arrival]], None] = lambda _: None
+        self._receive: Callable[[Iterable[Arrival]], None] = lambda _: None
         self._blocks = [
             _Block(places, period)
             for period in sorted(set(inputs.values()))
@@ -82,9 +82,9 @@ class ModbusLink:
         """Type of the number at a place."""
         return str(place.kind)
 
-    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+    def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect."""
-        server, self._hear = self._server, hear
+        server, self._receive = self._server, receive
         self._client = self._library.ModbusTcpClient(
             server.host, port=server.tcp_port, timeout=server.response_timeout, retries=0
         )
@@ -127,7 +127,7 @@ class ModbusLink:
             answer = read(first.address, count=size, device_id=first.unit)
         if not answer.isError():
             held = answer.registers if first.table.endswith('register') else answer.bits
-            self._hear([_arrival(place, held, place.address - first.address) for place in block.places])
+            self._receive([_arrival(place, held, place.address - first.address) for place in block.places])
         elif answer.exception_code == ILLEGAL_ADDRESS and len(block.places) > 1:
             # Some of them are there: each half is tried by itself from now on.
             middle = len(block.places) // 2
@@ -137,7 +137,7 @@ class ModbusLink:
                 self._read_block(self._blocks[-1])
         else:
             why = _reason(answer)
-            self._hear([Arrival(place, problem=f'{place.text}: {why}') for place in block.places])
+            self._receive([Arrival(place, problem=f'{place.text}: {why}') for place in block.places])
 
     def _write(self, places: Sequence[ModbusPlace], values: Mapping[Any, Number]) -> str:
         """Write neighbours; why they are refused, '' if they are not."""

@@ -15,7 +15,7 @@ from typing import Any, Final
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
 from robots_controller.io.plant.plant_link import library
-from robots_controller.io.plant.plc_server import HOST, Heard, check_port, served_sizes
+from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
 
 DISCRETE_INPUT, INPUT_REGISTER = 2, 4
 """Codes that read them."""
@@ -31,14 +31,14 @@ class ModbusPlc:
     Args:
         channels: Those that the script has.
         port: TCP port of this machine.
-        heard: Takes what clients write.
+        on_written: Takes what clients write.
 
     Raises:
         InvalidInputError: pymodbus is not installed, or the port is taken.
     """
 
-    def __init__(self, channels: Iterable[Channel], port: int, heard: Heard) -> None:
-        self._heard = heard
+    def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:
+        self._on_written = on_written
         server = library('pymodbus.server', 'pymodbus', 'modbus')
         check_port('Modbus', port)
         self._codes = library('pymodbus.constants', 'pymodbus', 'modbus').ExcCodes
@@ -87,7 +87,7 @@ class ModbusPlc:
             return None
         if code in COILS:
             for index, value in enumerate(values, address + 1):
-                self._heard(f'digital_output.{index}', float(bool(value)))
+                self._on_written(f'digital_output.{index}', float(bool(value)))
         elif code in REGISTERS:
             holding = [*self._holding]
             holding[address : address + len(values)] = [int(value) for value in values]
@@ -97,7 +97,7 @@ class ModbusPlc:
                 return self._codes.ILLEGAL_VALUE
             self._holding = holding
             for index, number in numbers.items():
-                self._heard(f'analog_output.{index}', number)
+                self._on_written(f'analog_output.{index}', number)
         return None
 
     def close(self) -> None:

@@ -36,7 +36,7 @@ class MqttLink:
         self._server = server
         self._library = library('paho.mqtt.client', 'paho-mqtt', 'mqtt')
         self._client: Any = None
-        self._hear: Callable[[Iterable[Arrival]], None] = lambda _: None
+        self._receive: Callable[[Iterable[Arrival]], None] = lambda _: None
         self._lost: str | None = None
         self._inputs = _by_topic(inputs)
         self._documents: dict[str, Any] = {}
@@ -53,9 +53,9 @@ class MqttLink:
         """Type of the number at a place."""
         return str(place.kind)
 
-    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+    def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect and subscribe."""
-        server, self._hear, self._lost = self._server, hear, None
+        server, self._receive, self._lost = self._server, receive, None
         client = self._client = self._made()
         answered, subscribed = threading.Event(), threading.Event()
         answers: list[Any] = []
@@ -89,7 +89,8 @@ class MqttLink:
         self._wait(subscribed, 'subscription')
         for reason, (topic, places) in zip(answers[1:], self._inputs.items(), strict=True):
             if reason.is_failure:
-                hear([Arrival(place, problem=f'{topic}: the broker refuses: {reason}') for place in places])
+                problem = f'{topic}: the broker refuses: {reason}'
+                receive([Arrival(place, problem=problem) for place in places])
 
     def close(self) -> None:
         """Disconnect."""
@@ -156,9 +157,9 @@ class MqttLink:
             document = json.loads(message.payload)
         except (ValueError, RecursionError):
             shown = message.payload[:SHOWN].decode(errors='replace')
-            self._hear([Arrival(place, problem=f'{place.text}: {shown!r} is no JSON') for place in places])
+            self._receive([Arrival(place, problem=f'{place.text}: {shown!r} is no JSON') for place in places])
             return
-        self._hear([_arrival(place, document) for place in places])
+        self._receive([_arrival(place, document) for place in places])
 
 
 def _arrival(place: Any, document: Any) -> Arrival:

@@ -20,7 +20,7 @@ class MqttServer:
         host: Its address.
         tcp_port: Its port.
         tls: The connection is encrypted.
-        client_id: How the broker knows us; '' for a random one.
+        client_id: Identifies the client at the broker; '' for a random one.
         credentials: User and certificates.
         keepalive: How often the broker is asked for a sign of life, s.
         response_timeout: For connecting and for confirmations, s.

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.plant_link import library
-from robots_controller.io.plant.plc_server import HOST, Heard
+from robots_controller.io.plant.plc_server import HOST, OnWritten
 
 TOPIC: Final = 'plc'
 QOS: Final = 1
@@ -26,14 +26,14 @@ class MqttPlc:
     Args:
         channels: Those that the script has.
         port: TCP port of the broker on this machine.
-        heard: Takes what is published for the outputs.
+        on_written: Takes what is published for the outputs.
 
     Raises:
         InvalidInputError: paho-mqtt is not installed.
     """
 
-    def __init__(self, channels: Iterable[Channel], port: int, heard: Heard) -> None:
-        self._heard = heard
+    def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:
+        self._on_written = on_written
         paho = library('paho.mqtt.client', 'paho-mqtt', 'mqtt')
         self._names = {topic_of(one): one.name for one in channels if one.direction == 'output'}
         self._messages: dict[str, str] = {}
@@ -75,7 +75,7 @@ class MqttPlc:
         except (ValueError, RecursionError, OverflowError):
             return
         if math.isfinite(number):
-            self._heard(self._names[message.topic], number)
+            self._on_written(self._names[message.topic], number)
 
     def close(self) -> None:
         """See `PlcServer`."""

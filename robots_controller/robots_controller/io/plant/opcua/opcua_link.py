@@ -43,7 +43,7 @@ VARIANTS: Final = {
 
 
 class OpcuaLink:
-    """A connection to an OPC UA server, which tells of changes of the inputs' variables.
+    """A connection to an OPC UA server, which reports changes of the inputs' variables.
 
     Args:
         server: The server.
@@ -61,8 +61,8 @@ class OpcuaLink:
         self._client: Any = None
         self._inputs, self._outputs = inputs, list(outputs)
         self._nodes: dict[Any, Any] = {}
-        self._hear: Callable[[Iterable[Arrival]], None] = lambda _: None
-        self._heard: dict[Any, Arrival] = {}
+        self._receive: Callable[[Iterable[Arrival]], None] = lambda _: None
+        self._received: dict[Any, Arrival] = {}
         """The newest of each place; from the thread of asyncua alone after the connection is open."""
         self._ended = ''
         self._frames = FrameGuard()
@@ -71,9 +71,9 @@ class OpcuaLink:
         """Type of the number at a place."""
         return str(place.kind)
 
-    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+    def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect and subscribe."""
-        server, self._hear, self._heard, self._ended = self._server, hear, {}, ''
+        server, self._receive, self._received, self._ended = self._server, receive, {}, ''
         with self._answering():
             # The client's own waiting ends after that of its requests.
             self._client = self._sync.Client(
@@ -121,8 +121,8 @@ class OpcuaLink:
             raise LinkError(self._ended)
         with self._answering():
             self._client.nodes.server_state.read_value()
-            if self._heard:
-                self._client.tloop.post(self._hear_again())
+            if self._received:
+                self._client.tloop.post(self._receive_again())
         return now + max(self._server.period, SHORTEST_CHECK)
 
     def write(self, values: Mapping[Any, Number]) -> Mapping[Place, str]:
@@ -162,11 +162,11 @@ class OpcuaLink:
             self._ended = f'the subscription has ended: {change.Status.name}'
 
     def _take(self, arrival: Arrival) -> None:
-        self._heard[arrival.place] = replace(arrival, lost=0) if arrival.lost else arrival
-        self._hear([arrival])
+        self._received[arrival.place] = replace(arrival, lost=0) if arrival.lost else arrival
+        self._receive([arrival])
 
-    async def _hear_again(self) -> None:
-        self._hear([arrival for arrival in self._heard.values() if not arrival.problem])
+    async def _receive_again(self) -> None:
+        self._receive([arrival for arrival in self._received.values() if not arrival.problem])
 
     def _value(self, place: Any, value: Number) -> Any:
         # Without time stamps: many servers let nobody else write those.

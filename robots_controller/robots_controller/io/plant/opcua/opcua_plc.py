@@ -10,7 +10,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
 from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.plant_link import library
-from robots_controller.io.plant.plc_server import HOST, Heard, check_port, served_sizes
+from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
 
 NAMESPACE: Final = 'urn:robots:plc'
 
@@ -21,14 +21,14 @@ class OpcuaPlc:
     Args:
         channels: Those that the script has.
         port: TCP port of this machine.
-        heard: Takes what clients write.
+        on_written: Takes what clients write.
 
     Raises:
         InvalidInputError: asyncua is not installed, or the port is taken.
     """
 
-    def __init__(self, channels: Iterable[Channel], port: int, heard: Heard) -> None:
-        self._heard = heard
+    def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:
+        self._forward = on_written
         self._library = library('asyncua', 'asyncua', 'opcua')
         check_port('OPC UA', port)
         self._names: dict[Any, str] = {}
@@ -76,7 +76,7 @@ class OpcuaPlc:
                 continue
             value = float(node.Value.Value.Value)
             if math.isfinite(value):
-                self._heard(name, value)
+                self._forward(name, value)
             else:
                 answers[index] = ua.StatusCode(ua.StatusCodes.BadOutOfRange)
 

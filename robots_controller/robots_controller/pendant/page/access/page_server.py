@@ -46,7 +46,7 @@ class PageServer:
         port: First port to try; 0: chosen by the system.
         title: Of the page.
         access: Where it is served, and to whom; by default on this machine alone.
-        told: Gets who has given a wrong password, in the thread of the page.
+        log: Gets who has given a wrong password, in the thread of the page.
         report: Makes the page of the report of the last run.
         scene: Gives the address of the 3D view on this machine; '' for none.
         connection_timeout: Silence of a browser after which its connection is lost, s; above `PING_PERIOD`.
@@ -63,7 +63,7 @@ class PageServer:
         port: int,
         title: str,
         access: PageAccess | None = None,
-        told: Callable[[str], object] = print,
+        log: Callable[[str], object] = print,
         report: Callable[[], str] = str,
         scene: Callable[[], str] = str,
         connection_timeout: float = CONNECTION_TIMEOUT,
@@ -73,7 +73,7 @@ class PageServer:
         _Served.report = report
         app: App = SceneProxy(_application(build, title), scene)
         if access.password:
-            app = PasswordGuard(app, access.password, title=title, told=told)
+            app = PasswordGuard(app, access.password, title=title, log=log)
         config = uvicorn.Config(
             OriginGuard(app, self._host),
             self._host,

@@ -37,7 +37,7 @@ class PasswordGuard:
         app: The other one.
         password: What must be given.
         title: Of the form.
-        told: Gets who has given a wrong password.
+        log: Gets who has given a wrong password.
         now: Time, s.
     """
 
@@ -47,11 +47,11 @@ class PasswordGuard:
         password: str,
         *,
         title: str,
-        told: Callable[[str], object],
+        log: Callable[[str], object],
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.app: Final = app  # NiceGUI looks for the application below by this name
-        self._password, self._title, self._told, self._now = password.encode(), title, told, now
+        self._password, self._title, self._log, self._now = password.encode(), title, log, now
         self._signer = TimestampSigner(secrets.token_bytes(32))
         self._attempts = LoginAttempts()
 
@@ -88,7 +88,7 @@ class PasswordGuard:
             return self._form(request, 'wait', 429, delay)
         if not hmac.compare_digest(given.encode(), self._password):
             self._attempts.wrong(address, self._now())
-            self._told(f"the operator's page refused a wrong password from {address}")
+            self._log(f"the operator's page refused a wrong password from {address}")
             return self._form(request, 'wrong', 403, self._attempts.delay(address, self._now()))
         self._attempts.right(address)
         response = RedirectResponse('/', 303)
