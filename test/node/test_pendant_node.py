@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64
 
+from robots_controller.control.stops.faults import Fault
 from robots_controller.io.io_image import Channel
 from robots_controller.nodes.pendant_node import PendantNode
 from robots_controller.pendant.jog.held_button import MOVE_KEY, RUN_KEY, STEP_KEY
@@ -90,11 +91,20 @@ class OperatedCell(ProgramCell):
                 return
             self.operator.hold(ME, number, key)
 
-    def rewind(self) -> None:
-        """Reset the program as soon as its node has heard that the robot stands."""
+    def stop(self) -> None:
+        """Stop program and robot, and permit motion again."""
+        self.operator.stop()
+        self.wait(lambda: self.state.fault_kind == Fault.STOP.label, 'the stop')
+        # Both nodes are asked at once: the program has failed if the robot is stopped first.
+        self.wait(lambda: self.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
+        self.until_done(Action.RESET)
+        self.wait(lambda: not self.state.fault, 'a robot that may move')
+
+    def until_done(self, action: Action) -> None:
+        """Do what nodes refuse as long as the robot moves, or they have not noticed that it stands."""
         while True:
             with contextlib.suppress(NotNowError):
-                self.operator.act(ME, Action.REWIND)
+                self.operator.act(ME, action)
                 return
 
     def set_mode(self, mode: OperatingMode) -> None:
@@ -207,11 +217,8 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     cell.operator.release(ME)
     cell.wait(lambda: cell.state.program.state is RunState.PAUSED, 'a held program')
     assert cell.state.program.hold == 'release'
-    cell.operator.stop()
-    # Both nodes are asked at once: the program has failed if the robot is stopped first.
-    cell.wait(lambda: cell.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
-    cell.until_standing()
-    cell.rewind()
+    cell.stop()
+    cell.until_done(Action.REWIND)
     cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'its start')
     cell.operator.set_override(ME, 1.0)
     cell.wait(lambda: cell.state.override == 1.0, 'the override')
@@ -233,8 +240,7 @@ def test_a_program_is_debugged(cell: OperatedCell) -> None:
     assert cell.operator.call_stack().frames[0].line == 3
     cell.operator.toggle_breakpoint(ME, 'debugged.lua', 2)
     cell.wait(lambda: not cell.state.breakpoints, 'no breakpoint')
-    cell.operator.stop()
-    cell.wait(lambda: cell.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
+    cell.stop()
 
 
 def test_a_saved_program_is_open_and_its_mistakes_are_found(cell: OperatedCell) -> None:
