@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from robots_core.errors import InvalidInputError
@@ -176,6 +178,29 @@ def test_a_loop_has_its_first_turn_at_the_start_and_ends_in_its_own_work():
     assert times == [1.0, 1.004]
     assert not loop.alive
     assert loop.due == NEVER
+
+
+def test_a_loop_that_has_nothing_to_do_has_turns_only_at_the_multiples_at_which_it_has():
+    times: list[float] = []
+    needed = math.inf
+    loop = LockstepLoop(
+        times.append, period=PERIOD, phase=Phase.OBSERVE, first=START, next_time=lambda: needed
+    )
+    assert loop.due == NEVER
+    needed = 1.0095
+    assert loop.due == START + 3 * PERIOD
+    loop.run(START + 3 * PERIOD)
+    assert loop.due == START + 4 * PERIOD
+    needed = math.inf
+    assert loop.due == NEVER
+    # Something was received at an instant between two multiples, or after the phase of that of a multiple.
+    needed = 0.0
+    assert loop.due <= START + 7 * PERIOD
+    loop.run(START + 7 * PERIOD + 1)
+    assert loop.due == START + 8 * PERIOD
+    loop.run(START + 8 * PERIOD)
+    assert times == [1.012, 1.032]
+    assert loop.missed == 0
 
 
 def test_a_timer_counts_from_its_reset():

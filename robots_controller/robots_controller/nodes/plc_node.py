@@ -36,8 +36,8 @@ class PlcNode(RobotNode):
     With a port for Modbus or OPC UA it is a server instead, and with one for MQTT a client of a broker, as a
     PLC in a plant: an I/O map connects the robot with it.
 
-    On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
-    that have come since the last one, in their order.
+    On the wall clock it acts at once. In simulated time it acts as a PLC does, at the end of a cycle, on the
+    outputs that have come since the last one, in their order.
     """
 
     phase = Phase.OBSERVE  # after the controller: in the cycle in which outputs are switched on the path
@@ -72,9 +72,12 @@ class PlcNode(RobotNode):
         self._published: object = None
         self.ready('ready' if path else 'ready; parameter script is empty, no input is set')
         if self.simulated_time:
-            self.start_loop(lambda _: self._step(), period=cycle, name='PLC')
+            self.start_loop(lambda _: self._step(), period=cycle, name='PLC', next_time=self._next_time)
         else:
             self._step()
+
+    def _next_time(self) -> float:
+        return 0.0 if self._published is None else self._plc.next_time
 
     def _set_inputs(self, values: Mapping[Channel, float]) -> None:
         for server in self._servers:

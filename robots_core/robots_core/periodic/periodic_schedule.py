@@ -23,8 +23,11 @@ class PeriodicSchedule:
 
     def begin(self, now: int) -> None:
         """Start a new schedule, whose first time is `now` (ns) or the next multiple after it."""
-        periods = -((self._origin - now) // self._period)
-        self.next_time = self._origin + periods * self._period
+        self.next_time = self.first(now)
+
+    def first(self, time: int) -> int:
+        """The first multiple that is not before a time, ns."""
+        return self._origin - (self._origin - time) // self._period * self._period
 
     def due(self, now: int) -> list[int]:
         """The times that are due, ns, in order; each is returned once.

@@ -116,6 +116,7 @@ class TimedNode(Node):
         realtime_priority: int = 0,
         idle_latency: float | None = None,
         phase: Phase | None = None,
+        next_time: Callable[[], float] | None = None,
     ) -> Loop:
         """Call `work(now)` in each period.
 
@@ -129,11 +130,13 @@ class TimedNode(Node):
             realtime_priority: Of the thread (see `PeriodicThread`).
             idle_latency: Asked of the system by the thread, s (see `PeriodicThread`).
             phase: When in an instant of a lock-step run; the node's own by default.
+            next_time: When the work has something to do, as far as is known before the next message, s: a
+                lock-step run leaves out earlier periods.
         """
         loop: Loop
         if self.participant is not None:
             phase = self.phase if phase is None else phase
-            loop = self.participant.start_loop(work, period=period, phase=phase)
+            loop = self.participant.start_loop(work, period=period, phase=phase, next_time=next_time)
         elif self.simulated_time:
             loop = ScheduledLoop(work, period=round(period * NANOSECONDS))
         else:

@@ -188,10 +188,22 @@ class Participant:
         self._add_work(timer)
         return timer
 
-    def start_loop(self, work: Callable[[float], None], *, period: float, phase: Phase) -> LockstepLoop:
-        """Call `work(now)` at the multiples of a period (s) from the start on, `START` included."""
-        first = self.time + 1 if self.started else START
-        loop = LockstepLoop(work, period=round(period * NANOSECONDS), phase=phase, first=first)
+    def start_loop(
+        self,
+        work: Callable[[float], None],
+        *,
+        period: float,
+        phase: Phase,
+        next_time: Callable[[], float] | None = None,
+    ) -> LockstepLoop:
+        """Call `work(now)` at the multiples of a period (s) from the start on; see `LockstepLoop`."""
+        loop = LockstepLoop(
+            work,
+            period=round(period * NANOSECONDS),
+            phase=phase,
+            first=self.time + 1 if self.started else START,
+            next_time=next_time,
+        )
         self._add_work(loop)
         return loop
 

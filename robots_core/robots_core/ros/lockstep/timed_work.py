@@ -48,18 +48,40 @@ class LockstepLoop(ScheduledLoop):
         period: ns.
         phase: When in an instant.
         first: The first time is this one or the next multiple, ns.
+        next_time: When the work has something to do, s: earlier turns are left out. Infinite for not until
+            the participant has received something.
     """
 
-    def __init__(self, work: Callable[[float], None], *, period: int, phase: Phase, first: int) -> None:
+    def __init__(
+        self,
+        work: Callable[[float], None],
+        *,
+        period: int,
+        phase: Phase,
+        first: int,
+        next_time: Callable[[], float] | None = None,
+    ) -> None:
         super().__init__(work, period=period, origin=START)
-        self.phase = phase
+        self.phase, self._next_time = phase, next_time
         self._schedule.begin(first)
 
     @property
     def due(self) -> int:
         """When it has its next turn, ns; `NEVER` for not at all, as of all work."""
-        assert self._schedule.next_time is not None
-        return self._schedule.next_time if self.alive else NEVER
+        schedule = self._schedule
+        assert schedule.next_time is not None
+        if not self.alive:
+            return NEVER
+        if self._next_time is None:
+            return schedule.next_time
+        needed = instant(self._next_time())
+        return NEVER if needed == NEVER else max(schedule.next_time, schedule.first(needed))
+
+    def run(self, now: int) -> None:
+        """As `ScheduledLoop.run`; between two multiples nothing is done, and turns left out are not made up."""
+        if self._next_time is not None:
+            self._schedule.begin(now)
+        super().run(now)
 
 
 class LockstepTimer:
