@@ -130,7 +130,9 @@ class ControllerNode(ManagedNode):
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
         self._fresh = FreshCommands(self, watchdog)
-        intake = TrajectoryIntake(self, self._control, self._fresh, self._publish_result, self._report_cancellation)
+        intake = TrajectoryIntake(
+            self, self._control, self._fresh, self._publish_result, self._report_cancellation
+        )
         self._commanders = CommanderServices(
             self, self._control, self._change_caps, intake.lose_commander, watched=watchdog > 0.0
         )
