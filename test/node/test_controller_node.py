@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -18,6 +19,7 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from late_drives import PATIENT
+from robots_controller.control.stops.faults import Fault
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.ports import trajectory_intake
 from robots_core import load_robot_model
@@ -34,6 +36,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.timed_node import TimedNode
+from robots_core.status import Level, Status
 
 from .bench import EVERY_STATE, Bench
 
@@ -295,6 +298,27 @@ def test_a_cancellation_of_a_robot_that_stands_is_published_for_what_is_still_be
     assert float(diagnostic_values(stops[-1])['until']) >= 1e-9 * before
     bench.send(HOME, AWAY)  # it is not latched
     assert bench.result().ok
+
+
+def test_a_cancellation_is_not_reported_after_a_stop_that_comes_meanwhile(
+    bench: ControllerBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    controller, reported = bench.controller, list[str]()
+    publish, stopped = controller._publish_stop, threading.Event()
+
+    def publish_slowly(status: Status) -> None:
+        if status.level is Level.OK:
+            controller._control.trip(Fault.EMERGENCY_STOP, 'meanwhile')
+            stopped.wait(0.5)  # some of the loop's periods
+        else:
+            stopped.set()
+        publish(status)
+        reported.append(status.text)
+
+    monkeypatch.setattr(controller, '_publish_stop', publish_slowly)
+    bench.ask('cancel')
+    bench.wait(lambda: len(reported) == 2, 'both reports')
+    assert reported == ['canceled by ~/cancel', 'meanwhile']
 
 
 @pytest.mark.parametrize('how', ['service', 'topic'])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import math
 import sys
+import threading
 from dataclasses import replace
 from functools import partial
 from typing import Any, Final
@@ -184,6 +185,7 @@ class ControllerNode(ManagedNode):
 
     def _offer_stops(self) -> None:
         self._stopped_by = ''  # the reason that was logged
+        self._reporting_stop = threading.Lock()
         self.serve('stop', self._stop)
         self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
@@ -240,7 +242,8 @@ class ControllerNode(ManagedNode):
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
         self._drives_publisher.publish(Bool(data=state.drives_on))
-        self._publish_stop(state.status)
+        with self._reporting_stop:
+            self._publish_stop(state.status)
         # Of a robot that stands, the drives are off at once; one that moves is stopped before.
         if state.fault not in (None, Fault.DEACTIVATED) and state.reason != self._stopped_by:
             self.journal.error(f'stopped: {state.reason}')
@@ -351,10 +354,11 @@ class ControllerNode(ManagedNode):
 
     def _report_cancellation(self, reason: str) -> None:
         """Publish a cancellation: motions that are still being planned are given up too."""
-        if not self._controller.stops.latched:
-            until = self.get_clock().now().nanoseconds / NANOSECONDS
-            status = StopState(reason=reason).status
-            self._publish_stop(replace(status, values={**status.values, 'until': f'{until:.9f}'}))
+        until = self.get_clock().now().nanoseconds / NANOSECONDS
+        status = StopState(reason=reason).status
+        with self._reporting_stop:  # never after a stop that came meanwhile: its loop has another thread
+            if not self._controller.stops.latched:
+                self._publish_stop(replace(status, values={**status.values, 'until': f'{until:.9f}'}))
 
     def _stop_before_collision(self) -> str:
         self._control.stop_before_collision()

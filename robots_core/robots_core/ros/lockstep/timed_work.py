@@ -78,7 +78,7 @@ class LockstepLoop(ScheduledLoop):
         return NEVER if needed == NEVER else max(schedule.next_time, schedule.first(needed))
 
     def run(self, now: int) -> None:
-        """As `ScheduledLoop.run`; between two multiples nothing is done, and turns left out are not made up."""
+        """As `ScheduledLoop.run`; turns that were left out are not made up."""
         if self._next_time is not None:
             self._schedule.begin(now)
         super().run(now)
