@@ -35,7 +35,7 @@ class Pair:
         assert b.zones is not None
         self.under_way.append([(b, '/a', a.zones.states), (a, '/b', b.zones.states)])
         for receiver, sender, states in self.under_way.popleft():
-            receiver.loop.hear_zones(sender, states)
+            receiver.loop.receive_zones(sender, states)
         for name in names or ('/a', '/b'):
             self.cells[name].step()
         assert sum(cell.clearance(self.zone) < 0.0 for cell in (a, b)) <= 1

@@ -106,26 +106,13 @@ class InverseKinematicsNode(RobotNode):
         self.create_timer(REPORT_PERIOD, self._report, phase=Phase.OBSERVE)
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
-        self._received = False
-        if self.participant is not None:
-            for message_type, topic in ((PoseStamped, 'reference_pose'), (TwistStamped, 'reference_twist')):
-                subscribe(self, message_type, topic, self._on_reference)
         self._loop = self.start_loop(
-            self._step,
-            period=self._dt,
-            name='inverse kinematics',
-            realtime_priority=priority,
-            next_time=lambda: 0.0 if self._received or self._guidance.streaming else math.inf,
+            self._step, period=self._dt, name='inverse kinematics', realtime_priority=priority
         )
 
     # -- the loop's thread ---------------------------------------------------------------------------
 
-    def _on_reference(self, _message: object) -> None:
-        """In lock-step: the next turn of the loop, which polls the topic, is not left out."""
-        self._received = True
-
     def _step(self, now: float) -> None:
-        self._received = False
         self._guidance.hand_over(handed_over=self._handed_over())
         self._take_references(now)
         start = time.thread_time()
