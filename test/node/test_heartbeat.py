@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from typing import Any
 
+import pytest
+
+from robots_core.periodic.watchdog import LOOKS
 from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
 from robots_core.ros.running.executor_watch import ExecutorWatch
 from robots_core.ros.running.lean_executor import LeanExecutor
@@ -34,6 +38,15 @@ def test_a_node_that_was_started_anew_was_lost_although_nobody_has_missed_it(ros
     assert changes == [('drive', 'drive has died and was started anew'), ('drive', '')]
     assert seen == ['drive']
     assert watch.lost == ()
+
+
+def test_the_next_look_comes_when_the_silence_is_as_long_as_the_timeout(ros_nodes: Any) -> None:
+    watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
+    watch = HeartbeatWatch(watcher, ['drive'], LONG, lambda *_: None)
+    # Nothing is silent, or for longer than a regular look; soon; at once.
+    for remaining, seconds in ((math.inf, LONG / LOOKS), (0.5 * LONG, LONG / LOOKS), (5.0, 5.0), (0.0, 1.5)):
+        watch._look_again(remaining)
+        assert 1e-9 * watch._timer.timer_period_ns == pytest.approx(seconds, abs=1e-8)  # whole nanoseconds
 
 
 def test_a_node_whose_callback_does_not_return_is_lost_until_it_does(ros_nodes: Any) -> None:

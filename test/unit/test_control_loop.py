@@ -42,6 +42,14 @@ class Rig:
         self.q = START
         self.run(1)
 
+    def begin(self, *, paused: bool) -> None:
+        """Move from `START` to `GOAL`, and pause on the way."""
+        self.loop.follow(quintic(START, GOAL, 1.0), '1')
+        self.run(100)
+        if paused:
+            self.loop.request('pause')
+            self.run(100)
+
     def result(self, result: MotionResult) -> None:
         self.results.append(result)
 
@@ -111,12 +119,8 @@ def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
 
 @pytest.mark.parametrize('paused', [False, True])
 def test_a_cancellation_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
-    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.begin(paused=paused)
     rig.loop.follow(quintic(GOAL, START, 1.0), '2')
-    rig.run(100)
-    if paused:
-        rig.loop.request('pause')
-        rig.run(100)
     rig.loop.request('cancel')
     results = [rig.run_until_result() for _ in range(2)]
     assert {result.id for result in results} == {'1', '2'}
@@ -139,11 +143,7 @@ def test_a_cancellation_for_a_reason_leaves_a_pause(rig: Rig) -> None:
 
 @pytest.mark.parametrize('paused', [False, True])
 def test_a_stop_holds_until_its_reset_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
-    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
-    rig.run(100)
-    if paused:
-        rig.loop.request('pause')
-        rig.run(100)
+    rig.begin(paused=paused)
     rig.loop.stop('a person')
     assert rig.run_until_result().message == 'a person'
     rig.run(1)
