@@ -96,6 +96,26 @@ def test_a_robot_that_is_taken_back_brakes_at_once_without_a_complaint(bench: Be
     assert not bench.guidance.ended
 
 
+def test_idle_steps_may_be_left_out(bench: Bench):
+    sparse = Bench()
+    sparse.guidance.hand_over(handed_over=True)
+    left_out = 0
+    for period in range(900):
+        given = (100 <= period < 400 and period % 7 == 0) or period in (5, 700)
+        if given:
+            for one in (bench, sparse):
+                one.guidance.put(moved(POSE, TWIST, 0.001 * period), one.time)
+        bench.run(1)
+        if given or not sparse.guidance.idle(sparse.time):
+            sparse.run(1)
+        else:
+            sparse.time += DT
+            left_out += 1
+        np.testing.assert_array_equal(sparse.reference, bench.reference)
+        assert sparse.guidance.streaming == bench.guidance.streaming
+    assert left_out > 300
+
+
 def test_a_controller_that_does_not_follow_is_started_from_again(bench: Bench):
     bench.held = True
     bench.run(400, Pose(POSE.r + np.array([0.0, 0.5, 0.0]), POSE.T))

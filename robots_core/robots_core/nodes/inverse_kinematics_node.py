@@ -106,13 +106,32 @@ class InverseKinematicsNode(RobotNode):
         self.create_timer(REPORT_PERIOD, self._report, phase=Phase.OBSERVE)
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
+        self._received = False
+        if self.participant is not None:
+            for message_type, topic in ((PoseStamped, 'reference_pose'), (TwistStamped, 'reference_twist')):
+                subscribe(self, message_type, topic, self._on_reference)
         self._loop = self.start_loop(
-            self._step, period=self._dt, name='inverse kinematics', realtime_priority=priority
+            self._step,
+            period=self._dt,
+            name='inverse kinematics',
+            realtime_priority=priority,
+            next_time=self._next_time,
         )
+
+    # -- lock-step -----------------------------------------------------------------------------------
+
+    def _on_reference(self, _message: object) -> None:
+        self._received = True
+
+    def _next_time(self) -> float:
+        """When there is something to do, s; turns of the loop before it are left out."""
+        now = self.now()
+        return math.inf if not self._received and self._guidance.idle(now) else now
 
     # -- the loop's thread ---------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
+        self._received = False
         self._guidance.hand_over(handed_over=self._handed_over())
         self._take_references(now)
         start = time.thread_time()

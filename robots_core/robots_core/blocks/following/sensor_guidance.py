@@ -40,7 +40,7 @@ class SensorGuidance:
         self._movement, self._largest_deviation = movement, largest_deviation
         self._reference, self._refused = reference, refused
         self._every = max(1, round(1.0 / (movement.dt * CONTROLLER_RATE)))
-        self._cycle = 0
+        self._cycle = 0  # of the stream
         self._handed_over = False
         self._last: RealtimeStep | None = None
         self.streaming = False
@@ -65,14 +65,20 @@ class SensorGuidance:
         if self._handed_over:
             self._movement.put_twist(twist, time)
 
+    def idle(self, now: float) -> bool:
+        """As long as nothing is put, all steps from now on, s, do nothing."""
+        return not self.streaming and not self._movement.fresh(now)
+
     def step(self, now: float) -> RealtimeStep | None:
         """Motion of the next period, now in s; None for a robot that is not guided."""
-        self._cycle += 1
         if not self.streaming:
             if not self._movement.fresh(now) or not self._start():
                 return None
-        elif self._cycle % self._every == 0:
-            self._check_controller()
+            self._cycle = 0
+        else:
+            self._cycle += 1
+            if self._cycle % self._every == 0:
+                self._check_controller()
         step = self._movement.step(now)
         if step.error is not None:
             self._refused('reference_pose', step.error)
