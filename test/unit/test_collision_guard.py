@@ -132,6 +132,20 @@ def test_a_robot_without_a_path_is_stopped_while_it_can_brake(guard: CollisionGu
     assert not guard.stopping
 
 
+@pytest.mark.parametrize(('distance', 'stopped'), [(0.0015, 1), (0.0, 0)])  # contact has no direction
+def test_a_robot_that_is_too_close_may_be_jogged_away(
+    guard: CollisionGuard, stops: Stops, distance: float, stopped: int
+):
+    guard.set_scene(ball(1.0))
+    slow = np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+    angles = np.arange(0.3, 1.0, 1e-4)
+    near = next(turned(a) for a in angles if guard.look(turned(a), STILL).distance <= distance)
+    guard.look(near, -slow)  # away
+    assert not stops.reasons
+    guard.look(near, slow)
+    assert len(stops.reasons) == stopped
+
+
 def test_a_new_scene_is_looked_at_where_the_robot_stands(guard: CollisionGuard, stops: Stops):
     before = guard.look(turned(0.0), STILL)
     guard.set_scene(ball(0.0))

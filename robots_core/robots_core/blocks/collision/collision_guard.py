@@ -51,7 +51,7 @@ class CollisionGuard:
     The path of a motion is checked when it is planned and when the scene changes, so that nothing between
     two looks at the robot is missed; the robot is stopped on its path as soon as a place that is too close
     lies within `lookahead`. A robot that moves without a path is stopped as soon as the way that it needs to
-    brake is not free.
+    brake is not free; one that is too close already may move away.
 
     Args:
         detection: Of the robot and its scene.
@@ -114,10 +114,12 @@ class CollisionGuard:
         if next(iter(self.motions), id_) == id_:  # the first one, or its way around an obstacle
             self._progress = 0.0
         self.motions[id_] = motion
-        start = self.detection.distance(path.sample(path.start))
-        closest = np.inf if start is None else start.distance
-        self._floor = min(self.margin, max(closest - 2.0 * RESOLUTION, 0.0))
+        self._floor = self._margin_from(self.detection.distance(path.sample(path.start)))
         self._stop_before_dangers()
+
+    def _margin_from(self, start: Proximity | None) -> float:
+        """The margin of what begins here: a robot that is too close already may leave, m."""
+        return self.margin if start is None else min(self.margin, max(start.distance - 2.0 * RESOLUTION, 0.0))
 
     def _check(self, path: JointPath) -> None:
         """Refuse what no controller follows: how long its check takes has no bound."""
@@ -166,13 +168,14 @@ class CollisionGuard:
 
     def _watch_guided(self, q: Array, q_dot: Array | None) -> None:
         """Stop a robot that moves without a path before it comes too close to something."""
-        danger = None
-        if q_dot is not None and q_dot.any():
+        danger, closest = None, self._closest
+        touches = closest is not None and closest.in_contact  # no direction leads closer
+        if q_dot is not None and q_dot.any() and not touches:
             axes = self.detection.robot.axes_data
             q_dot = np.clip(q_dot, -axes.velocity, axes.velocity)  # a driver may report anything
             time = REACTION_TIME + float((np.abs(q_dot) / axes.acceleration).max())
             way = JointPath.straight(q, q + time * q_dot)
-            danger = self.detection.first_approach(way, margin=self.margin)
+            danger = self.detection.first_approach(way, margin=self._margin_from(closest))
         self._guided_into = danger is not None and self._stop(danger.proximity.describe())
 
     def _status(self, q: Array, closest: Proximity | None) -> CollisionStatus:
