@@ -87,13 +87,14 @@ class Cell:
     def line(self, id_: str, dz: float, settings: MotionSettings = PLAIN) -> None:
         self.planner.command(id_, LINE, above(dz), settings)
 
-    def bead(self, *numbers: int, last: bool = False) -> None:
+    def bead(self, *numbers: int, last: bool = False, settings: MotionSettings = PLAIN) -> None:
         """Short blended joint motions there and back, aside a little each."""
         for number in numbers:
             offset = np.zeros(6)
             offset[[0, 1]] = 0.02 * (number + 1), 0.1 * (number % 2)
-            settings = PLAIN if last and number == numbers[-1] else replace(PLAIN, joint_blend_zone=0.02)
-            self.planner.command(str(number), JOINT, START + offset, settings)
+            zone = 0.0 if last and number == numbers[-1] else 0.02
+            blended = replace(settings, joint_blend_zone=zone)
+            self.planner.command(str(number), JOINT, START + offset, blended)
 
     def end(self, id_: str, *, ok: bool = True, **details: str) -> bool:
         self.now += 1.0
@@ -471,6 +472,15 @@ def test_a_blocked_chain_goes_on_as_a_chain(cell: Cell) -> None:
     blocked(cell, '2', 0.1, START + 0.01)
     assert cell.ids == ['2', '2']
     assert [*cell.ends[1]] == ['1', '2']
+    assert not cell.answers
+
+
+def test_the_way_around_of_a_long_chain_has_the_id_of_the_motion_that_was_blocked(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1), settings=REPLANS)
+    assert cell.ids == [MIDDLE]  # its plan may be carried on from there
+    blocked(cell, MIDDLE, 0.0, START)
+    assert cell.ids[1] == MIDDLE
+    assert [*cell.ends[1]][-1] == MIDDLE
     assert not cell.answers
 
 

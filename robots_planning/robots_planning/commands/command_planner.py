@@ -68,9 +68,11 @@ class CommandPlanner:
             try:
                 self._plan(chain)
             except RobotsError as error:
-                self._give_up(first, self._not_around(chain, error))
+                reason = self._not_around(chain, error)
+                self._give_up(first, reason)
+                text = f'given up with motion {first.id} before it: {reason.message}'
                 for command in later:
-                    self._refuse(command, PlanningError(f'given up with motion {first.id} before it'))
+                    self._refuse(command, PlanningError(text))
 
     def _not_around(self, chain: CommandChain, error: RobotsError) -> RobotsError:
         """Why a motion does not go on around an obstacle."""

@@ -246,7 +246,9 @@ class CommandQueue:
             self._forget(passed)
             place = Blocked(motion.trajectory, progress * motion.trajectory.duration)
             waiting = [other for other in self._running.values() if other is not motion]
-            self._around += [self._chain(left, place), *(self._chain(list(other.ends)) for other in waiting)]
+            own = left.index(id_) + 1  # what goes on around the obstacle is a motion with the same id
+            later = [left[own:], *(list(other.ends) for other in waiting)]
+            self._around += [self._chain(left[:own], place), *(self._chain(ids) for ids in later if ids)]
             self._stale.update(other.id for other in waiting)
             self._running.clear()
             self._failures += 1
