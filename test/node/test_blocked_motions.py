@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -79,16 +80,22 @@ class Obstacle(TimedNode):
         super().__init__('obstacle', **options)
         self.positions: list[tuple[float, ...]] = []
         self.states: list[dict[str, str]] = []
+        self.stops: list[dict[str, str]] = []
         self._publisher = self.create_publisher(MarkerArray, 'collision_objects', COMMAND)
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, COMMAND)
         self.create_subscription(
             DiagnosticStatus, 'program_status', lambda m: self.states.append(diagnostic_values(m)), STATE
         )
+        self.create_subscription(DiagnosticStatus, 'stop_status', self._on_stop, STATE)
         self._begin = self.now()
         self.start_loop(self._put, period=0.01, name='obstacle')
 
     def _on_reference(self, message: JointTrajectory) -> None:
         self.positions.append(tuple(message.points[0].positions))
+
+    def _on_stop(self, message: DiagnosticStatus) -> None:
+        if message.level == DiagnosticStatus.ERROR:
+            self.stops.append({'message': message.message, **diagnostic_values(message)})
 
     def _put(self, now: float) -> None:
         if self._publisher is not None and now >= self._begin + COMES_AFTER:
@@ -96,10 +103,9 @@ class Obstacle(TimedNode):
             self._publisher = None
 
 
-def test_a_robot_that_an_obstacle_stops_goes_around_it(ros_nodes: Any, tmp_path: Path) -> None:
+def run_into_the_post(ros_nodes: Any, program: Path, text: str) -> Obstacle:
     """In lock-step: the stop is that of `collision_node`, the way around that of `planning_node`."""
-    program = tmp_path / 'around.lua'
-    program.write_text(PROGRAM)
+    program.write_text(text)
     shared = {'robot_model': KUKA, 'lockstep': True}
     obstacle = ros_nodes.add(Obstacle(**ros_nodes.options(lockstep=True)))
     for kind, parameters in (
@@ -117,10 +123,30 @@ def test_a_robot_that_an_obstacle_stops_goes_around_it(ros_nodes: Any, tmp_path:
         lambda: obstacle.states and obstacle.states[-1]['state'] in ended, what='the end of the program'
     )
     ros_nodes.call(run.end)
+    return obstacle
+
+
+def test_a_robot_that_an_obstacle_stops_goes_around_it(ros_nodes: Any, tmp_path: Path) -> None:
+    obstacle = run_into_the_post(ros_nodes, tmp_path / 'around.lua', PROGRAM)
     assert obstacle.states[-1]['state'] == 'FINISHED', obstacle.states[-1]
+    assert not obstacle.stops
     positions = np.array(obstacle.positions)
     np.testing.assert_allclose(np.degrees(positions[-1]), [75, -70, 90, 0, 70, 0], atol=1e-6)
     steps = np.abs(np.diff(positions, axis=0)).max(axis=1) > 0.0
     assert np.count_nonzero(np.diff(steps.astype(int)) == 1) == 3  # begins to move: there, forth, around
     collision = CollisionDetection(load_robot_model(KUKA), scene=POST)
     assert all(not collision.in_contact(q) for q in positions[positions[:, 0] > np.radians(15.0)])
+
+
+def test_a_robot_that_does_not_go_around_stays_and_its_program_fails_even_with_pcall(
+    ros_nodes: Any, tmp_path: Path
+) -> None:
+    there, forth = PROGRAM.replace(", on_blocked = 'replan'", '').splitlines()
+    text = f'{there}\npcall(function() {forth} end)\nwait(1)\n{there}\n'
+    obstacle = run_into_the_post(ros_nodes, tmp_path / 'caught.lua', text)
+    assert obstacle.states[-1]['state'] == 'FAILED', obstacle.states[-1]
+    (stop,) = obstacle.stops
+    assert re.fullmatch('stopped before a collision: .* from post after .*', stop['message'])
+    assert (stop['fault'], stop['category']) == ('obstacle', '2')
+    positions = np.degrees(np.array(obstacle.positions)[:, 0])
+    assert 15.0 < positions[-1] == positions.max() < 75.0  # it has not gone back

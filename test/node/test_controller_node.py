@@ -31,6 +31,7 @@ from robots_core.ros.messages import (
     doubles,
     id_stamp,
     motion_result_from_message,
+    motion_result_message,
     stamp_id,
 )
 from robots_core.ros.peers.heartbeat import Heartbeat
@@ -198,18 +199,31 @@ def test_a_motion_is_given_up_and_the_next_one_runs_after_a_stop_once_that_is_re
     assert bench.result().ok
 
 
-def test_a_motion_before_an_obstacle_goes_on_under_its_id_unless_somebody_stops_it(
-    bench: ControllerBench,
+@pytest.mark.parametrize('how', ['cancel', 'planner'])
+def test_a_motion_before_an_obstacle_that_does_not_go_around_it_needs_a_reset(
+    bench: ControllerBench, how: str
 ) -> None:
     sent = bench.send_slowly(AWAY)
     bench.ask('stop_before_collision')
     result = bench.result()
     assert (result.id, result.blocked, result.message) == (sent, True, 'stopped before a collision')
     bench.until_standing()
-    bench.ask('cancel')
+    if how == 'cancel':
+        bench.ask('cancel')
+        reason = 'stopped before a collision, without a way around: canceled by ~/cancel'
+    else:
+        reason = 'stopped before a collision: link_6 comes to 1 mm from post'
+        end = MotionResult(sent, ok=False, message=reason)
+        bench.publish('motion_result', motion_result_message(end, OPTIONS['robot_model']))
+    bench.until_health(DiagnosticStatus.ERROR, reason)
     bench.send(bench.references[-1], HOME, id_=sent)
-    refused = bench.result()
-    assert 'does not go around what is in its way: canceled by ~/cancel' in refused.message
+    refused = f'{reason}; ~/reset lets the robot move again'
+    bench.wait(lambda: any(refused in result.message for result in bench.results), 'the refusal')
+    bench.results.clear()
+    bench.ask('reset')
+    bench.override(1.0)
+    bench.send(bench.references[-1], HOME)
+    assert bench.result().ok
 
 
 def test_an_empty_trajectory_cancels(bench: ControllerBench) -> None:

@@ -141,6 +141,17 @@ def test_without_the_setting_the_program_fails_with_what_has_come_into_the_path(
     assert run.motions[1].message.startswith('stopped before a collision: ')
 
 
+def test_a_program_cannot_move_a_robot_on_that_stands_before_an_obstacle(tmp_path: Path):
+    caught = f'pcall(function() {AROUND.strip()} end)\n'
+    run = run_into(tmp_path, THERE + caught + 'wait(1)\n' + THERE, (2.2, POST))
+    assert run.error is not None
+    assert re.search('stopped before a collision: .* from post', run.error.reason)
+    assert run.error.line in (2, 3)
+    stands = np.degrees(run.position[:, 0])
+    assert 15.0 < stands[-1] < 75.0
+    assert stands[-1] == pytest.approx(stands.max())
+
+
 def test_a_way_that_is_blocked_for_ever_is_refused_with_what_blocks_it_and_the_attempts(tmp_path: Path):
     text = THERE + 'setAvoid(true, 0.05, "replan", 3)\n' + BACK.replace('15', '75')
     run = run_into(tmp_path, text, (2.2, POST), (3.2, WALL))

@@ -10,6 +10,7 @@ import pytest
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.faults import Fault
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import TrajectoryRefusedError
@@ -42,6 +43,10 @@ class Rig:
     def follow(self, id_: str, goal: np.ndarray = GOAL) -> None:
         self.controller.follow(quintic(self.q, goal), id_, self.now)
 
+    def stream(self, id_: str, goal: np.ndarray) -> None:
+        rest = np.zeros(2)
+        self.controller.stream(StreamPoint(goal, rest, rest, self.now + 0.1), id_, self.now)
+
     def end(self) -> MotionResult:
         """The next result."""
         for _ in range(2000):
@@ -54,7 +59,7 @@ class Rig:
         """Move, and stop before an obstacle."""
         self.follow('m')
         self.step(250)
-        self.controller.stop_before_collision()
+        self.controller.stop_before_collision(self.now)
         return self.end()
 
 
@@ -77,62 +82,96 @@ def test_motions_that_wait_behind_it_are_blocked_with_it(rig: Rig) -> None:
     rig.follow('m')
     rig.controller.follow(quintic(GOAL, START), 'n', rig.now)
     rig.step(100)
-    rig.controller.stop_before_collision()
+    rig.controller.stop_before_collision(rig.now)
     results = [rig.end(), rig.end()]
     assert [(result.id, result.blocked) for result in results] == [('m', True), ('n', True)]
 
 
-def trip_and_reset(rig: Rig) -> None:
-    rig.controller.trip(Fault.EMERGENCY_STOP, 'e-stop', rig.now)
-    rig.step(5)
-    rig.controller.reset()
-
-
 def other_motion(rig: Rig) -> None:
-    rig.follow('n', START)
-    assert rig.end().ok
+    with pytest.raises(TrajectoryRefusedError, match='motion n would take its place'):
+        rig.follow('n', START)
 
 
-STOPS = {
-    'a person': (lambda rig: rig.controller.cancel('canceled by ~/cancel'), 'canceled by ~/cancel'),
-    'a fault, reset since': (trip_and_reset, 'e-stop'),
+def stream(rig: Rig) -> None:
+    with pytest.raises(TrajectoryRefusedError, match='motion s would take its place'):
+        rig.stream('s', rig.q)
+
+
+STOPS: dict[str, tuple[Callable[[Rig], object], str]] = {
+    'a cancellation': (lambda rig: rig.controller.cancel('canceled by ~/cancel'), 'canceled by ~/cancel'),
+    'a stricter fault': (lambda rig: rig.controller.trip(Fault.CONTACT, 'contact', rig.now), 'contact'),
+    'a lost planner': (lambda rig: rig.controller.trip(Fault.PLANNER_LOST, 'lost', rig.now), 'lost'),
     'another commander': (
         lambda rig: rig.controller.speed.authority.take(Commander.REMOTE, standing=True),
         'the commander of the robot or its mode has changed',
     ),
-    'another motion': (other_motion, 'motion n has taken its place'),
+    'another motion': (other_motion, 'motion n would take its place'),
+    'a stream': (stream, 'motion s would take its place'),
+    'no way around': (lambda rig: rig.controller.blocked.end('m', 'no free way'), 'no free way'),
 }
 
 
 @pytest.mark.parametrize('stop', STOPS)
-def test_nothing_moves_the_robot_that_somebody_has_stopped_meanwhile(rig: Rig, stop: str) -> None:
-    act: Callable[[Rig], None]
+def test_whatever_comes_before_the_way_around_the_robot_stays_until_a_reset(rig: Rig, stop: str) -> None:
     act, reason = STOPS[stop]
     rig.block()
     act(rig)
     with pytest.raises(TrajectoryRefusedError, match=reason):
         rig.follow('m')
+    assert rig.controller.stops.latched
+    with pytest.raises(TrajectoryRefusedError, match=reason):
+        rig.follow('a new command')
     rig.step(10)
-    rig.follow('a new command')  # nothing is latched
+    rig.controller.reset()
+    with pytest.raises(TrajectoryRefusedError, match=reason):  # it was planned before
+        rig.follow('m')
+    assert not rig.controller.stops.latched
+
+
+@pytest.mark.parametrize('stop', ['a cancellation', 'another motion', 'no way around'])
+def test_a_new_command_moves_the_robot_after_the_reset(rig: Rig, stop: str) -> None:
+    rig.block()
+    STOPS[stop][0](rig)
+    state = rig.controller.stops.state
+    assert state.fault is Fault.OBSTACLE
+    assert state.reason.startswith(BLOCKED)
+    rig.controller.reset()
+    rig.follow('a new command')
     assert rig.end().ok
+
+
+def test_the_end_of_another_motion_leaves_the_way_around_free(rig: Rig) -> None:
+    rig.block()
+    rig.controller.blocked.end('n', 'refused')
+    rig.follow('m')
+    assert rig.end().ok
+
+
+def test_a_stream_that_an_obstacle_stops_needs_a_reset(rig: Rig) -> None:
+    rig.stream('s', START + 0.01)
+    rig.step(5)
+    rig.controller.stop_before_collision(rig.now)
+    assert rig.end().message == BLOCKED
+    assert rig.controller.stops.state.fault is Fault.OBSTACLE
 
 
 def test_a_person_who_stops_a_robot_that_brakes_before_an_obstacle_has_stopped_it(rig: Rig) -> None:
     rig.follow('m')
     rig.step(250)
-    rig.controller.stop_before_collision()
+    rig.controller.stop_before_collision(rig.now)
     rig.step(5)
     rig.controller.cancel('canceled by ~/cancel')
-    rig.controller.stop_before_collision()
+    rig.controller.stop_before_collision(rig.now)
     result = rig.end()
     assert (result.blocked, result.message) == (False, 'canceled by ~/cancel')
+    assert rig.controller.stops.state.fault is Fault.OBSTACLE
 
 
 def test_a_pause_holds_the_way_around_too(rig: Rig) -> None:
     rig.follow('m')
     rig.step(250)
     rig.controller.speed.paused = True
-    rig.controller.stop_before_collision()
+    rig.controller.stop_before_collision(rig.now)
     assert rig.end().blocked
     before = rig.q
     rig.follow('m')

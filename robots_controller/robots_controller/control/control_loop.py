@@ -175,7 +175,12 @@ class ControlLoop:
 
     def stop_before_collision(self) -> None:
         """Stop before an obstacle, see `Controller.stop_before_collision`; a pause stays."""
-        self._mailbox.append(lambda _: self.controller.stop_before_collision())
+        self._mailbox.append(self.controller.stop_before_collision)
+
+    def ended(self, result: MotionResult) -> None:
+        """Take the end of a motion, its planner's too, see `BlockedMotion.end`."""
+        if not (result.ok or result.blocked):
+            self._mailbox.append(lambda _: self.controller.blocked.end(result.id, result.message))
 
     def trip(self, fault: Fault, reason: str, *, stands: bool = False) -> None:
         """Stop by a fault, see `Controller.trip`."""

@@ -84,11 +84,12 @@ class Controller:
         self._motions = MotionQueue(axes)
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._brake: Brake | None = None
-        self._blocked = BlockedMotion(self.speed.authority)
         self._feedback = FeedbackWatch(axes, self.settings, processor_share)
         self._found: Finding | None = None  # in the period that is to come
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
+        self.blocked = BlockedMotion(self.speed.authority, self.stops)
+        """The motion that was stopped before an obstacle."""
         self.awaited = ''
         """What no motion starts without and is not there yet, for a person; '' if nothing is missing."""
 
@@ -162,11 +163,12 @@ class Controller:
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         refuse_closed(borders)
-        self._blocked.begin(id_)
+        self.blocked.check(id_)
         standing = self._motion is None
         assert self.reference is not None
         motion = FollowedMotion(trajectory, id_, now, cap, borders)
         self._motions.put(motion, self.reference, join_time)
+        self.blocked.begin(id_)
         if standing:
             self._following.begin(motion, self.speed.of_motion(motion, now))
 
@@ -191,7 +193,7 @@ class Controller:
         if self._motion is not None or self._brake is not None:
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         if not self._stream.active:
-            self._blocked.give_up('a stream has moved the robot')
+            self.blocked.check(id_)
             self._stream.begin(id_, now)
         self._stream.put(point, now)
 
@@ -206,14 +208,17 @@ class Controller:
     def cancel(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
         self._stream.stop(reason)
-        self._blocked.give_up(reason)
-        if self._motion is not None and self._motion.failure in (None, BLOCKED):
-            self._motion.failure = reason
+        motion = self._motion
+        if self.blocked.waiting or (motion is not None and motion.failure == BLOCKED):
+            self.blocked.stay(reason)
+        if motion is not None and motion.failure in (None, BLOCKED):
+            motion.failure = reason
 
-    def stop_before_collision(self) -> None:
-        """Stop on the path before an obstacle; the motion may go on around it under its id."""
-        self._stream.stop(BLOCKED)
-        if self._motion is not None and self._motion.failure is None:
+    def stop_before_collision(self, now: float) -> None:
+        """Stop before an obstacle until `reset`; a motion may go on around it under its id."""
+        if self._stream.active:
+            self.trip(Fault.OBSTACLE, BLOCKED, now)
+        elif self._motion is not None and self._motion.failure is None:
             self._motion.failure = BLOCKED
 
     def trip(self, fault: Fault, reason: str, now: float, *, stands: bool = False) -> None:
@@ -225,7 +230,7 @@ class Controller:
             now: Time, s.
             stands: Its cause stays until `stops.clear`.
         """
-        if fault.moving_only and self.standing:
+        if fault.moving_only and self.standing and not self.blocked.waiting:
             return
         if not self.stops.trip(fault, reason, stands=stands):
             return
@@ -460,7 +465,7 @@ class Controller:
                 self._following.begin(self._motion, self.speed.of_motion(self._motion, now))
             return
         if blocked:
-            self._blocked.put(motion.id)
+            self.blocked.put(motion.id)
         for unbegun in self._motions.clear():
             unbegun.start = now
             reason = f'given up with the motion before it: {message}'

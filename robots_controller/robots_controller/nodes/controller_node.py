@@ -39,6 +39,7 @@ from robots_core.ros.messages import (
     BUILD,
     NANOSECONDS,
     diagnostic_values,
+    motion_result_from_message,
     motion_result_message,
 )
 from robots_core.ros.peers.fresh_commands import FreshCommands
@@ -193,6 +194,7 @@ class ControllerNode(ManagedNode):
         subscribe(self, Bool, 'emergency_stop', self._on_emergency_stop)
         subscribe(self, Bool, 'robot_running', self._on_robot_running)
         subscribe(self, DiagnosticStatus, 'contact_status', self._on_contact)
+        subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
 
     # -- the loop ------------------------------------------------------------------------------------
 
@@ -325,6 +327,9 @@ class ControllerNode(ManagedNode):
     def _on_contact(self, message: DiagnosticStatus) -> None:
         if message.level != DiagnosticStatus.OK:
             self._control.trip(Fault.CONTACT, message.message)
+
+    def _on_motion_result(self, message: DiagnosticStatus) -> None:
+        self._control.ended(motion_result_from_message(message))
 
     def activate(self) -> None:
         """See `ManagedNode`."""

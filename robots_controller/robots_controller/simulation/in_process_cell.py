@@ -398,6 +398,7 @@ class InProcessCell:
             if self._guard is not None:
                 self._guard.ended(result.id)
             self.records.ended(result, self.clock.elapsed)
+        self.control.ended(result)
         self._host.motions.result(result)
         self.changed = True
 

@@ -83,6 +83,11 @@ class Fault(Enum):
         'one look: 20 ms; one period when a zone is closed',
         'tool or bodies are across the border of a zone that is closed; they may move back after a reset',
     )
+    OBSTACLE = (
+        StopCategory.TWO,
+        'one look of collision_node: 40 ms',
+        'collision_node has stopped the robot before an obstacle, and the motion does not go around it',
+    )
     CONTACT = (
         StopCategory.ONE,
         'one period of force control: 4 ms',
