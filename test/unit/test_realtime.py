@@ -82,8 +82,43 @@ def test_processes_share_the_processors_that_there_are(
     load = tmp_path / 'loadavg'
     load.write_text(f'{minute} 0.00 0.00 {now} 4711\n')
     monkeypatch.setattr(realtime, 'LOAD', load)
+    monkeypatch.setattr(realtime, 'PRESSURE', tmp_path / 'none')
     runnable = max(float(minute), int(now.partition('/')[0]) - 1)
     assert processor_share() == min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+
+
+def test_load_counts_for_as_long_as_something_has_waited(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    class Clock:
+        now = 100.0
+
+        def monotonic(self) -> float:
+            return self.now
+
+    clock, load, pressure = Clock(), tmp_path / 'loadavg', tmp_path / 'cpu'
+    load.write_text(f'{4 * (os.cpu_count() or 1)}.00 0.00 0.00 1/200 4711\n')
+    for name, value in (
+        ('time', clock),
+        ('LOAD', load),
+        ('PRESSURE', pressure),
+        ('_stalls', realtime.Stalls()),
+    ):
+        monkeypatch.setattr(realtime, name, value)
+    shares = []
+    for after, total in (
+        (0.0, 7_000),  # since when is unknown
+        (0.04, 15_000),  # a fifth of the time
+        (0.001, 15_500),  # too short to say
+        (0.04, 58_000),  # all of it
+        (1.0, 60_000),  # too long ago
+    ):
+        clock.now += after
+        pressure.write_text(f'some avg10=9.00 avg60=9.00 avg300=9.00 total={total}\nfull total=0\n')
+        shares.append(processor_share())
+    pressure.write_text('')
+    clock.now += 0.04
+    assert [*shares, processor_share()] == pytest.approx([0.25, 0.85, 0.85, 0.25, 0.25, 0.25])
 
 
 def test_after_a_silence_the_threads_of_the_process_itself_do_not_count(
@@ -96,6 +131,7 @@ def test_after_a_silence_the_threads_of_the_process_itself_do_not_count(
         (tasks / str(number) / 'stat').write_text(f'{number} (a (thread)) {state} 1 1')
     (tasks / 'ended').mkdir()
     monkeypatch.setattr(realtime, 'LOAD', load)
+    monkeypatch.setattr(realtime, 'PRESSURE', tmp_path / 'none')
     monkeypatch.setattr(realtime, 'TASKS', tasks)
     assert processor_share_in_silence() == 1.0
     load.write_text('0.50 0.00 0.00 61/200 4711\n')
@@ -118,6 +154,7 @@ def test_threads_that_can_run_for_a_moment_are_no_load_after_a_silence(
 
     load = Load()
     monkeypatch.setattr(realtime, 'LOAD', load)
+    monkeypatch.setattr(realtime, 'PRESSURE', tmp_path / 'none')
     monkeypatch.setattr(realtime, 'TASKS', tmp_path / 'none')
     assert processor_share_in_silence() == 1.0
     assert load.looks == 4

@@ -1,5 +1,6 @@
 """Scheduling and idle latency that a periodic thread requests; the system may refuse them."""
 
+import math
 import os
 import struct
 import threading
@@ -12,6 +13,10 @@ from typing import Final
 IDLE_LATENCY_DEVICE = Path('/dev/cpu_dma_latency')
 LOAD = Path('/proc/loadavg')
 TASKS = Path('/proc/self/task')
+PRESSURE = Path('/proc/pressure/cpu')
+# A shorter time says little; in a longer one, more has happened than what is looked at.
+SHORTEST_STALL: Final = 0.005  # s
+LONGEST_STALL: Final = 0.5  # s
 LOOKS: Final = 10
 BETWEEN_LOOKS: Final = 0.002  # s
 
@@ -32,10 +37,36 @@ def ask_for_realtime(priority: int) -> bool:
     return True
 
 
-def processor_share(own: int = 1) -> float:
-    """The share of a processor that each thread gets that could run now, above 0 to 1.
+class Stalls:
+    """In which part of the time something has waited for a processor (Linux's pressure stall information)."""
 
-    By the number of those that can run, now or in the last minute, whichever is more (Linux; elsewhere 1).
+    def __init__(self) -> None:
+        self._last = -math.inf, 0.0, 1.0  # time of the last look, s; its total, s; the part before it
+
+    def part(self) -> float:
+        """Since the last look, 0 to 1; 1 if that is unknown."""
+        now = time.monotonic()
+        before, total_before, part = self._last
+        if now - before < SHORTEST_STALL:
+            return part
+        try:
+            total = 1e-6 * int(PRESSURE.read_text().partition('total=')[2].split()[0])
+        except (OSError, IndexError, ValueError):  # another system, or switched off
+            return 1.0
+        known = now - before <= LONGEST_STALL
+        part = min((total - total_before) / (now - before), 1.0) if known else 1.0
+        self._last = now, total, part
+        return part
+
+
+_stalls = Stalls()
+
+
+def processor_share(own: int = 1) -> float:
+    """The share of a processor that each thread gets that could run, above 0 to 1 (Linux; elsewhere 1).
+
+    By the number of those that can run, now or in the last minute, whichever is more. It counts for the part
+    of the time since the last look in which something has waited, see `Stalls`.
 
     Args:
         own: How many of those that can run now do not count.
@@ -45,7 +76,8 @@ def processor_share(own: int = 1) -> float:
     except OSError:
         return 1.0
     runnable = max(float(minute), float(now.partition('/')[0]) - own)
-    return min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+    share = min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+    return share if share == 1.0 else share + (1.0 - share) * (1.0 - _stalls.part())
 
 
 def processor_share_in_silence() -> float:
