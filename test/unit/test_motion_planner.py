@@ -299,6 +299,15 @@ def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
     np.testing.assert_array_equal(cell.trajectory(1).position[0], START)
 
 
+def test_a_controller_that_was_killed_before_the_motion_began_is_not_missed(cell: Cell) -> None:
+    cell.present |= {b'killed'}
+    cell.move('1', 0.2)
+    cell.present -= {b'killed'}
+    cell.move('2', 0.1)
+    assert cell.planner.holds('1')
+    np.testing.assert_array_equal(cell.trajectory(1).position[0], START + 0.2)
+
+
 def test_a_chain_ends_where_the_payload_changes(planning: PathPlanning) -> None:
     cell = Cell(planning)
     for number, payload in enumerate(((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, 0.1))):

@@ -206,6 +206,17 @@ def test_a_motion_that_nothing_will_end_is_given_up_and_the_robot_stopped(cell: 
     assert cell.requests == ['cancel']
 
 
+def test_a_controller_that_was_killed_before_the_motion_began_is_not_missed_by_it(cell: Cell) -> None:
+    cell.present = {b'killed': 'controller_node', b'new': 'controller_node'}
+    cell.move()
+    cell.present = {b'new': 'controller_node'}
+    cell.watch_for(10.0 * LOST_TIMEOUT)
+    assert not cell.ended
+    cell.present = {b'new again': 'controller_node'}  # it has none of the motions
+    cell.watch_for(1.1 * LOST_TIMEOUT)
+    assert 'controller_node has been gone for 2 s' in cell.results()[0][1]
+
+
 def test_a_lost_planner_ends_what_was_sent_and_stops_the_robot(cell: Cell) -> None:
     cell.move()
     cell.move()

@@ -234,8 +234,11 @@ class ProgramMotions:
         if not self._sent:
             return ''
         present = self._planner.followers()
-        gone = [name for identity, name in self._followers.items() if identity not in present]
-        self._followers |= present
+        known = set(self._followers.values())
+        # A node that was started again has none of the motions, and the process before it can seem to be
+        # present until its lease is over.
+        self._followers |= {identity: name for identity, name in present.items() if name not in known}
+        gone = known - {self._followers[identity] for identity in present.keys() & self._followers.keys()}
         if self._followers and not gone:
             self._since = now
         if now - self._since < LOST_TIMEOUT:

@@ -43,7 +43,7 @@ class MotionPlannerPort(Protocol):
         """
 
     def controllers(self) -> frozenset[bytes]:
-        """Identities of the controllers that there are; one that was restarted has another."""
+        """Identities of the controllers, for a while also of a killed one; a new process has another."""
 
     def submit(self, work: Callable[[], None]) -> None:
         """Do work that takes long: now, or in the planner's thread, one after the other."""
@@ -137,7 +137,7 @@ class MotionPlanner:
         Returns:
             False for a command that came before; it is ignored.
         """
-        if self.moving and not self._controllers <= self._port.controllers():
+        if self.moving and self._controllers and self._controllers.isdisjoint(self._port.controllers()):
             self._queue.forget()  # the controller is gone, and its motions with it
         if self.holds(id_):
             return False
