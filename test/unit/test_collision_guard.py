@@ -146,6 +146,19 @@ def test_a_robot_that_is_too_close_may_be_jogged_away(
     assert len(stops.reasons) == stopped
 
 
+@pytest.mark.parametrize('radius', [0.1, 0.02])
+def test_an_object_that_comes_into_contact_with_a_guided_robot_stops_it(
+    guard: CollisionGuard, stops: Stops, radius: float
+):
+    guard.look(turned(0.5), STILL)
+    guard.set_scene(ball(0.5, radius))
+    guard.look(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    assert len(stops.reasons) == 1
+    guard.look(turned(0.5), STILL)  # from here on it may be led away
+    guard.look(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    assert len(stops.reasons) == 1
+
+
 def test_a_new_scene_is_looked_at_where_the_robot_stands(guard: CollisionGuard, stops: Stops):
     before = guard.look(turned(0.0), STILL)
     guard.set_scene(ball(0.0))

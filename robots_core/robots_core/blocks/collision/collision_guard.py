@@ -20,6 +20,7 @@ GUARD_MARGIN: Final = 0.002  # m
 LOOKAHEAD: Final = 1.0  # s
 LOOK_RATE: Final = 25.0  # Hz
 FASTEST: Final = 2.0  # of the axes' velocity limits; the bounds of a path are not tight
+STANDING: Final = 1e-3  # of the axes' velocity limits; measured velocities are never quite zero
 # A look, a call of the service and a period of the controller may pass before a guided robot brakes.
 REACTION_TIME: Final = 0.1  # s
 
@@ -51,7 +52,8 @@ class CollisionGuard:
     The path of a motion is checked when it is planned and when the scene changes, so that nothing between
     two looks at the robot is missed; the robot is stopped on its path as soon as a place that is too close
     lies within `lookahead`. A robot that moves without a path is stopped as soon as the way that it needs to
-    brake is not free; one that is too close already may move away.
+    brake is not free; one that has stood too close may move away, and one that has stood in contact may move
+    anywhere until it is free.
 
     Args:
         detection: Of the robot and its scene.
@@ -77,6 +79,7 @@ class CollisionGuard:
         """Those that run or wait, by their ids."""
         self._progress = 0.0
         self._floor = self.margin
+        self._stood: Proximity | None = None
         self._guided_into = False
         self._q: Array | None = None
         self._closest: Proximity | None = None
@@ -168,15 +171,19 @@ class CollisionGuard:
 
     def _watch_guided(self, q: Array, q_dot: Array | None) -> None:
         """Stop a robot that moves without a path before it comes too close to something."""
-        danger, closest = None, self._closest
-        touches = closest is not None and closest.in_contact  # no direction leads closer
-        if q_dot is not None and q_dot.any() and not touches:
-            axes = self.detection.robot.axes_data
+        danger, axes = None, self.detection.robot.axes_data
+        if q_dot is not None and (np.abs(q_dot) <= STANDING * axes.velocity).all():
+            self._stood = self._closest
+        if q_dot is not None and q_dot.any() and not self._leaves_contact():
             q_dot = np.clip(q_dot, -axes.velocity, axes.velocity)  # a driver may report anything
             time = REACTION_TIME + float((np.abs(q_dot) / axes.acceleration).max())
             way = JointPath.straight(q, q + time * q_dot)
-            danger = self.detection.first_approach(way, margin=self._margin_from(closest))
+            danger = self.detection.first_approach(way, margin=self._margin_from(self._stood))
         self._guided_into = danger is not None and self._stop(danger.proximity.describe())
+
+    def _leaves_contact(self) -> bool:
+        """The robot touches something, and has stood so: no direction leads closer."""
+        return all(one is not None and one.in_contact for one in (self._stood, self._closest))
 
     def _status(self, q: Array, closest: Proximity | None) -> CollisionStatus:
         values: dict[str, object] = {'margin': self.margin}
