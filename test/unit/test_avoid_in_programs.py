@@ -137,7 +137,7 @@ def test_without_the_setting_the_program_fails_with_what_has_come_into_the_path(
     assert run.error is not None
     assert 'ptpJointSpaceAngles: stopped before a collision: ' in run.error.reason
     assert ' mm from post after ' in run.error.reason
-    assert run.error.line == 3  # where it was stopped, after the caught error
+    assert run.error.line == 2
     assert run.motions[1].message.startswith('stopped before a collision: ')
 
 
