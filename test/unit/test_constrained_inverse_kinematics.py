@@ -8,6 +8,7 @@ from robots_core import Pose, load_robot_model
 from robots_core.blocks import ActiveLimit, ConstrainedInverseKinematics, Redundancy
 from robots_core.blocks.inverse_kinematics.redundancy import redundancy_arrays
 from robots_core.errors import InvalidInputError, JointLimitError
+from robots_core.kernels.chain_dynamics import NO_DYNAMICS, chain_dynamics_of
 
 DT = 0.004
 ROBOT = load_robot_model('bello_bot')
@@ -165,6 +166,10 @@ def test_redundancy_improves_its_criterion_without_moving_the_tool(criterion: Re
 def test_one_compilation_serves_every_criterion() -> None:
     criteria = (None, Redundancy.near(ROBOT.home), Redundancy.away_from_limits(), Redundancy.manipulability())
     assert len({numba.typeof(redundancy_arrays(one, ROBOT.axes_data)) for one in criteria}) == 1
+
+
+def test_one_compilation_serves_robots_with_dynamics_of_their_own() -> None:
+    assert numba.typeof(NO_DYNAMICS) == numba.typeof(chain_dynamics_of(ROBOT).arrays)
 
 
 def test_results_are_read_only(ik: ConstrainedInverseKinematics) -> None:

@@ -36,6 +36,15 @@ PROBES = 6
 DynamicsArrays = tuple[ChainArrays, Array, Array, Array, Array]
 """Of a `SerialChain`; masses; centres and inertias in the frames of the axes; gravity."""
 
+NO_DYNAMICS: Final[DynamicsArrays] = (
+    np.empty((0, 0)),
+    np.empty(0),
+    np.empty((0, 3)),
+    np.empty((0, 3, 3)),
+    np.zeros(3),
+)
+"""Without bodies, of a robot that is no `ChainDynamics`: compiled functions take the same types for all."""
+
 Bodies = tuple[Array, Array]
 """Scratch memory for the moving bodies: (n, 5, 3) and (n, 3, 3)."""
 

@@ -17,7 +17,7 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
 )
 from robots_core.errors import InvalidInputError
 from robots_core.files.content_cache import content_of
-from robots_core.kernels.chain_dynamics import ChainDynamics
+from robots_core.kernels.chain_dynamics import NO_DYNAMICS, ChainDynamics
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -107,7 +107,7 @@ class ConstrainedInverseKinematics:
         chain = SerialChain.of(robot, tool)
         self._fixed = (chain.arrays, self._limits, self._options, redundancy_arrays(redundancy, axes))
         dynamics = ChainDynamics.of(robot)
-        self._dynamics = () if dynamics is None else (dynamics.arrays,)
+        self._dynamics = NO_DYNAMICS if dynamics is None else dynamics.arrays
         self._names = axes.names
         self._shape = (axes.num_axes,)
         self._still = np.zeros(self._shape)
@@ -142,7 +142,7 @@ class ConstrainedInverseKinematics:
         self._q[:], self._q_dot[:] = q, q_dot
         self._r[:], self._T[:], self._twist[:] = pose.r, pose.T, v
         M, tau_aux, errors = self._M, self._tau_aux, self._errors
-        if not self._dynamics:
+        if self._dynamics is NO_DYNAMICS:
             _, M[:], tau_aux[:] = self.robot.rigid_dynamics(q, q_dot, self._still)
         values, active = np.empty((4, *shape)), np.empty((2, *shape), dtype=np.int64)
         status = constrained_step(

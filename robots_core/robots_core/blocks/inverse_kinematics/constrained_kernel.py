@@ -22,7 +22,7 @@ from robots_core.blocks.inverse_kinematics.viability import (
     fastest_stoppable,
     velocity_interval,
 )
-from robots_core.kernels.chain_dynamics import mass_matrix_and_bias
+from robots_core.kernels.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.kernels.small_matrices import damped_gram, factorise, solve_lower, solve_transposed
@@ -53,7 +53,7 @@ def constrained_step(
     limits: Array,
     options: Array,
     redundancy: RedundancyArrays,
-    dynamics: Any,
+    dynamics: DynamicsArrays,
     state: Any,
     reference: Any,
     result: Any,
@@ -65,7 +65,7 @@ def constrained_step(
         limits: (6, n): lower, upper, velocity, acceleration, deceleration of braking, effort.
         options: (4,): dt (s), gain (1/s), weights of position (1/m) and of orientation (1/rad).
         redundancy: Kind, preferred positions (n,) and weights (n,); see `Redundancy`.
-        dynamics: A tuple of the arrays of `ChainDynamics`; if empty, M and tau_aux are those of the state.
+        dynamics: Arrays of a `ChainDynamics`; with `NO_DYNAMICS`, M and tau_aux are those of the state.
         state: q (n,), q_dot (n,), M (n, n) and tau_aux (n,) at the start.
         reference: At the end of the period: r (3,), T (3, 3), twist (6,).
         result: Filled: values (4, n) of `ConstrainedStep`; errors (3,): position (m), orientation (rad),
@@ -80,8 +80,8 @@ def constrained_step(
     if not (np.isfinite(q).all() and np.isfinite(q_dot).all() and np.isfinite(reference[2]).all()):
         return NOT_FINITE
     n, dt = q.size, options[0]
-    if len(dynamics) > 0:
-        mass_matrix_and_bias(dynamics[0], q, q_dot, M, tau_aux)
+    if dynamics[1].size > 0:
+        mass_matrix_and_bias(dynamics, q, q_dot, M, tau_aux)
     pose_errors, J = np.empty(6), np.empty((6, n))
     H, gradients = _task(chain, options, state, reference, J, pose_errors)
     L = np.empty((n, n))
