@@ -148,7 +148,7 @@ class TeachBox:
         braking = self._ik.deceleration
         self._axes = AxisFollowing(axes, dt, deceleration=braking)
         # Copies: read-only arrays would be compiled for once more, when a person begins to jog.
-        lower, upper = np.array(axes.lower), np.array(axes.upper)
+        lower, upper, braking = np.array(axes.lower), np.array(axes.upper), np.array(braking)
         self._limits = (lower, upper, np.array(axes.velocity), np.array(axes.acceleration), braking)
         self._low, self._high = np.empty(axes.num_axes), np.empty(axes.num_axes)
         self._command: Array = np.zeros(axes.num_axes)
