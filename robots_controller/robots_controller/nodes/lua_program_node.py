@@ -202,7 +202,7 @@ class LuaProgramNode(RobotNode):
 
         motions = action.motions
         return MotionPorts(
-            motions, action.control, report, lambda _: action, action.cancel, motions.check_guide
+            motions, action.control, report, lambda _: action, action.end, motions.check_guide
         )
 
     def _names(self, channel: str) -> tuple[str, ...]:

@@ -114,6 +114,11 @@ class PrimitiveAction:
         if self._handle is not None:
             self._handle.cancel_goal_async()
 
+    def end(self) -> None:
+        """Cancel the goal, and end the client: as long as it is there, ROS keeps the node."""
+        self.cancel()
+        self._client.destroy()
+
     # -- the driver's answers -------------------------------------------------------------------------
 
     def _measured(self) -> Array | None:
