@@ -11,7 +11,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
-from late_drives import LATE_DRIVES
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.nodes.drive_node import DriveNode
@@ -48,8 +48,9 @@ class ProgramCell(Bench):
         self.outputs = self.collect(
             'digital_outputs', UInt8MultiArray, EVERY_STATE, lambda message: list(message.data)
         )
-        self.start_node(DriveNode, robot_model=ROBOT)
-        self.controller = self.start_node(ControllerNode, robot_model=ROBOT, **LATE_DRIVES, **controller)
+        self.start_node(DriveNode, robot_model=ROBOT, **SPARSE)
+        options = {'robot_model': ROBOT, **LATE_DRIVES, **SPARSE, **controller}
+        self.controller = self.start_node(ControllerNode, **options)
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT, driver=driver)
         self.planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.wait(lambda: self.references and self.planner.reference() is not None, 'the robot')

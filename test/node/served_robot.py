@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Duration
 from rclpy.action.client import ActionClient
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from late_drives import LATE_DRIVES
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
@@ -29,8 +29,8 @@ class ServedRobot(Bench):
         self.action = action
         self.robot = load_robot_model(ROBOT)
         self.names = list(self.robot.axes_data.names)
-        self.start_node(DriveNode, robot_model=ROBOT)
-        self.start_node(ControllerNode, robot_model=ROBOT, **LATE_DRIVES)
+        self.start_node(DriveNode, robot_model=ROBOT, **SPARSE)
+        self.start_node(ControllerNode, robot_model=ROBOT, **LATE_DRIVES, **SPARSE)
         planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.references = self.collect(
             'joint_reference', JointTrajectory, read=lambda message: message.points[0]

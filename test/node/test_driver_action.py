@@ -14,7 +14,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 from control_interfaces import control_msgs
-from late_drives import LATE_DRIVES, PATIENT
+from late_drives import LATE_DRIVES, PATIENT, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.driver_file import Driver, DriverActionSettings, read_driver
@@ -51,10 +51,11 @@ class DrivenBench(Bench):
             driver=str(folder / 'driver.yaml'),
             realtime_priority=0,
             watchdog=PATIENT,
+            **SPARSE,
         )
         measured = self.publisher('/driver/joint_states', JointState)
         self.peer.create_timer(0.01, lambda: measured.publish(self._measured()))
-        self.start_node(ControllerNode, robot_model='ur5e', **LATE_DRIVES)
+        self.start_node(ControllerNode, robot_model='ur5e', **LATE_DRIVES, **SPARSE)
         planner = self.start_node(PlanningNode, robot_model='ur5e')
         self.publisher('ptpjoint_joint', JointState, COMMAND)
         self.wait(lambda: planner.reference() is not None and self.driver.goals, 'goals')

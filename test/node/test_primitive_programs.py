@@ -57,7 +57,7 @@ def test_a_paused_program_stops_the_robot_and_goes_on(cell: ProgramCell) -> None
     cell.until_moving()
     cell.command('stop')
     cell.end('STOPPED')
-    cell.until_standing()
+    cell.wait(lambda: cell.program.host.program.motion is None, 'the end of the motion')
 
 
 def test_a_motion_that_the_driver_refuses_ends_the_program_with_its_reason(cell: ProgramCell) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
-from late_drives import LATE_DRIVES
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.cell_interface.motion_result import MotionResult
@@ -43,9 +43,10 @@ class Cell:
             COMMAND.depth,
         )
         peer.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 100)
-        for kind in (DriveNode, LuaProgramNode, PlanningNode):
+        for kind in (LuaProgramNode, PlanningNode):
             runner.add(kind(**runner.options(robot_model=ROBOT)))
-        options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES}
+        runner.add(DriveNode(**runner.options(robot_model=ROBOT, **SPARSE)))
+        options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES, **SPARSE}
         runner.add(ControllerNode(**runner.options(**options)))
 
     def _on_health(self, message: DiagnosticArray) -> None:

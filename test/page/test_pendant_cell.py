@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
-from late_drives import LATE_DRIVES
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_controller.nodes.pendant_node import PendantNode
@@ -37,9 +37,10 @@ def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -
         lambda message: moving.append(any(message.points[0].velocities)),
         1,
     )
-    for kind in (DriveNode, LuaProgramNode, PlanningNode):
+    for kind in (LuaProgramNode, PlanningNode):
         ros_nodes.add(kind(**ros_nodes.options(robot_model=ROBOT)))
-    options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES}
+    ros_nodes.add(DriveNode(**ros_nodes.options(robot_model=ROBOT, **SPARSE)))
+    options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES, **SPARSE}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**options)))
     node = ros_nodes.add(PendantNode(**ros_nodes.options(robot_model=ROBOT, **PAGE)))
     with browser('--disable-gpu') as running:
@@ -60,11 +61,11 @@ def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
     program = tmp_path / 'touch.lua'
     moves = [np.degrees(touching(robot, turn)).tolist() for turn in TURNS]
     program.write_text(''.join(f'ptpJointSpaceAngles({str(q)[1:-1]})\nhalt()\n' for q in moves))
-    ros_nodes.add(DriveNode(**ros_nodes.options(robot_model=TOUCHING, level='ideal')))
+    ros_nodes.add(DriveNode(**ros_nodes.options(robot_model=TOUCHING, level='ideal', **SPARSE)))
     ros_nodes.add(PlanningNode(**ros_nodes.options(robot_model=TOUCHING)))
     ros_nodes.add(LuaProgramNode(**ros_nodes.options(robot_model=TOUCHING, program=str(program))))
     # The test itself waits until the robot stands: drives of a busy machine are late.
-    late = {'robot_model': TOUCHING, 'goal_tolerance': LATE, **LATE_DRIVES}
+    late = {'robot_model': TOUCHING, 'goal_tolerance': LATE, **LATE_DRIVES, **SPARSE}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**late)))
     node = ros_nodes.add(
         PendantNode(**ros_nodes.options(robot_model=TOUCHING, programs=str(tmp_path), **PAGE))
