@@ -159,7 +159,7 @@ class LuaProgramNode(RobotNode):
             'resume': host.resume,
             'step': lambda: host.step(self.get_parameter('step_mode').value),
             'stop': host.stop,
-            'teach': lambda: teaching.teach(self.get_parameter('point').value, self._feedback.newest()),
+            'teach': lambda: teaching.teach(self.get_parameter('point').value, self._feedback.present()),
             'get_call_stack': self._get_call_stack,
             'reset': host.reset,
             'get_command_state': lambda: self._program.command_state.value,
@@ -201,9 +201,7 @@ class LuaProgramNode(RobotNode):
             action.report_to(self.host)
 
         motions = action.motions
-        return MotionPorts(
-            motions, action.control, report, lambda _: action, action.end, motions.check_guide
-        )
+        return MotionPorts(motions, action.control, report, lambda _: action, action.end, motions.check_guide)
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
@@ -303,7 +301,7 @@ class LuaProgramNode(RobotNode):
     # -- the program's robot, from its thread -----------------------------------------------------
 
     def joint_feedback(self) -> JointFeedback:
-        """See `RobotPort`; waits for the first feedback."""
+        """See `RobotPort`; waits for feedback."""
         return self._feedback.measured(self.host.clock, lambda: self._program.stopping)
 
     def guide(self, guide: Guide) -> None:

@@ -144,16 +144,19 @@ def goes_on(observer: Observer) -> bool:
 
 def let_go_on(observer: Observer, origin: float) -> float:
     """Reset, open and run, as a person does, until the robot moves: when it did, s after the origin."""
-    deadline = time.monotonic() + USABLE_TIME
+    deadline, obstacle = time.monotonic() + USABLE_TIME, ''
     while time.monotonic() < deadline:
         # What is not necessary is refused, and does no harm.
         observer.call('lua_program_node/stop')
         for service in ('controller_node/reset', 'lua_program_node/open', 'lua_program_node/run'):
-            succeeded, _ = observer.call(service)
+            succeeded, text = observer.call(service)
             if not succeeded:
+                obstacle = f'{service}: {text}'
                 break
         else:
             if happens(lambda: observer.program_state in {'RUNNING', 'FAILED'} and observer.moving, 2.0):
                 return time.time() - origin
+            obstacle = f'the program is {observer.program_state} {observer.program_error}'
         time.sleep(0.2)
+    print(f'not usable within {USABLE_TIME:g} s: {obstacle}', flush=True)
     return np.inf

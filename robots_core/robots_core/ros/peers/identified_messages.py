@@ -82,6 +82,8 @@ class IdentifiedMessages:
         self._implementation = get_rmw_implementation_identifier().encode()
         self.sent = 0
         """When the message that was taken last was sent, ns on the clock of the sender's system."""
+        self.received = 0
+        """When it arrived, ns on the clock of this system."""
 
     def take(self) -> tuple[Any, bytes] | None:
         """The oldest message and its publisher's identity; None if there is none."""
@@ -97,7 +99,7 @@ class IdentifiedMessages:
         message = ctypes.string_at(self._bytes.buffer, self._bytes.length)
         if not self._subscription.raw:
             message = deserialize_message(message, self._subscription.msg_type)
-        self.sent = int(self._info.source_timestamp)
+        self.sent, self.received = int(self._info.source_timestamp), int(self._info.received_timestamp)
         return message, bytes(self._info.identity)
 
 

@@ -51,6 +51,8 @@ class PolledSubscription:
             self._identified = IdentifiedMessages(self._subscription)
             self._waiting: tuple[Any, bytes] | None = None
         self._newest = 0  # sequence number of the message
+        self.received = 0
+        """When the message of a stream that was taken last arrived, ns on the clock of this system."""
 
     def take(self) -> Any:
         """The newest message since the last call, or None."""
@@ -70,6 +72,7 @@ class PolledSubscription:
             while (identified := waiting or self._identified.take()) is not None:
                 waiting, (message, identity) = None, identified
                 if self._watch.accepts(identity, self._now()):
+                    self.received = self._identified.received
                     yield message, {}
                 elif self._watch.waits(identity):
                     self._waiting = identified
@@ -78,6 +81,7 @@ class PolledSubscription:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is not None:
                 self._newest = taken[1]['publication_sequence_number']
+                self.received = taken[1]['received_timestamp']
                 deadline = math.inf
                 yield taken
             elif self._participant is None or not self._participant.is_behind(self._topic, self._newest):

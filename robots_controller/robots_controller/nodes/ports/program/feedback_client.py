@@ -1,6 +1,7 @@
 """FeedbackClient: what the robot measures, as a program reads it."""
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Final
 
@@ -16,6 +17,8 @@ from robots_core.ros.timed_node import TimedNode
 # Drives report their position far more often; a program that asks at its start waits for the first one.
 FEEDBACK_TIMEOUT: Final = 2.0  # s
 FEEDBACK_PERIOD: Final = 0.005  # s
+# Older feedback is that of drives which have ended, or were held up: the robot may stand elsewhere by now.
+PRESENT: Final = 0.5  # s
 
 
 class FeedbackClient:
@@ -28,12 +31,13 @@ class FeedbackClient:
 
     def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
         self._joint_names = joint_names
+        self._lasting = node.simulated_time  # a clock that stands still keeps what was measured
         self._feedback = PolledSubscription(node, JointState, 'joint_states')
         self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
 
     def newest(self) -> JointFeedback | None:
-        """What the robot measures now; None before the first feedback.
+        """What the robot has measured last; None before the first feedback.
 
         Raises:
             RobotsError: the feedback lacks positions or joints.
@@ -43,15 +47,25 @@ class FeedbackClient:
             self._measured = JointFeedback(*joint_motion(message, self._joint_names))
         return self._measured
 
+    def present(self) -> JointFeedback | None:
+        """What the robot measures now; None where no feedback has come for `PRESENT`.
+
+        Raises:
+            RobotsError: as `newest`.
+        """
+        newest = self.newest()
+        age = 1e-9 * (time.time_ns() - self._feedback.received)
+        return newest if self._lasting or age <= PRESENT else None
+
     def measured(self, clock: Clock, stopping: Callable[[], bool]) -> JointFeedback:
-        """What the robot measures now; waits for the first feedback, until the program shall stop.
+        """What the robot measures now; waits for feedback, until the program shall stop.
 
         Raises:
             RobotsError: none comes, or it lacks positions or joints.
         """
         end = clock.now() + FEEDBACK_TIMEOUT
         while True:
-            if (measured := self.newest()) is not None:
+            if (measured := self.present()) is not None:
                 return measured
             if clock.now() > end or stopping():
                 raise ProgramError('no joint_states received: is drive_node running?')
