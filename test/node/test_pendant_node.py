@@ -34,7 +34,7 @@ from robots_planning.motion_settings import DESCRIPTIONS
 from .program_cell import CRAWL, MOVE, ROBOT, ProgramCell
 
 ME = 'me'
-STREAM_ENDED = 'the stream ended'  # the result of a jog
+JOGGED = ('the stream ended', 'no streamed point for')  # the result of a jog; that of a busy machine
 OUTPUT, INPUT = Channel('digital', 'output', 2), Channel('digital', 'input', 1)
 
 
@@ -75,7 +75,7 @@ class OperatedCell(ProgramCell):
         count = len(self.results)
 
         def ended() -> list[MotionResult]:
-            return [one for one in self.results[count:] if one.message != STREAM_ENDED]
+            return [one for one in self.results[count:] if not one.message.startswith(JOGGED)]
 
         self.hold(key, ended, 'a step', step=size)
         assert ended()[-1].ok, ended()
