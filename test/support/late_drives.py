@@ -7,4 +7,4 @@ LATE_DRIVES: Final[dict[str, Any]] = {'feedback_timeout': PATIENT, 'following_er
 """Of a controller whose feedback may come late, and by then be far from its reference."""
 
 SPARSE: Final[dict[str, Any]] = {'rate': 50.0}
-"""Of drives and controller: with the usual 250 references per second they take half of a processor."""
+"""Of drives and controller: with the usual 250 references per second they take almost half of a processor."""

@@ -9,6 +9,7 @@ from sensor_msgs.msg import JointState
 
 from robots_controller.program.clock import Clock
 from robots_controller.program.joint_feedback import JointFeedback
+from robots_core.cell_interface.topic_writers import SILENCE
 from robots_core.errors import ProgramError
 from robots_core.ros.messages import joint_motion
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -17,8 +18,6 @@ from robots_core.ros.timed_node import TimedNode
 # Drives report their position far more often; a program that asks at its start waits for the first one.
 FEEDBACK_TIMEOUT: Final = 2.0  # s
 FEEDBACK_PERIOD: Final = 0.005  # s
-# Older feedback is that of drives which have ended, or were held up: the robot may stand elsewhere by now.
-PRESENT: Final = 0.5  # s
 
 
 class FeedbackClient:
@@ -48,14 +47,16 @@ class FeedbackClient:
         return self._measured
 
     def present(self) -> JointFeedback | None:
-        """What the robot measures now; None where no feedback has come for `PRESENT`.
+        """What the robot measures now; None where no feedback has come for `SILENCE`.
+
+        Older feedback is that of drives which have ended, or were held up: the robot may stand elsewhere.
 
         Raises:
             RobotsError: as `newest`.
         """
         newest = self.newest()
         age = 1e-9 * (time.time_ns() - self._feedback.received)
-        return newest if self._lasting or age <= PRESENT else None
+        return newest if self._lasting or age <= SILENCE else None
 
     def measured(self, clock: Clock, stopping: Callable[[], bool]) -> JointFeedback:
         """What the robot measures now; waits for feedback, until the program shall stop.
