@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,8 @@ import pytest
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.faults import Fault, StopCategory
-from robots_core.errors import RobotsError, TrajectoryRefusedError
+from robots_controller.control.stops.stop_latch import StopLatch
+from robots_core.errors import NotNowError, RobotsError, TrajectoryRefusedError
 
 from .two_axes import quintic, two_axes
 
@@ -261,3 +265,28 @@ def test_the_documentation_has_the_same_table() -> None:
     rows = re.findall(r'^\| ([a-z ]+) \| ([012]) \| (.+) \| (.+) \|$', text, re.MULTILINE)
     documented = [row for row in rows if row[0] != 'references ended']
     assert documented == [(f.label, str(f.category.value), f.reaction, f.meaning) for f in Fault]
+
+
+def test_another_thread_may_ask_for_the_causes_while_they_change() -> None:
+    latch = StopLatch()
+    done = threading.Event()
+
+    def change() -> None:
+        while not done.is_set():
+            for fault in Fault:
+                latch.trip(fault, fault.label, stands=True)
+            for fault in Fault:
+                latch.clear(fault)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread = threading.Thread(target=change)
+    thread.start()
+    try:
+        for _ in range(2000):
+            with contextlib.suppress(NotNowError):
+                latch.check_reset()
+    finally:
+        done.set()
+        thread.join()
+        sys.setswitchinterval(interval)

@@ -1,5 +1,6 @@
 """StopLatch: a stop by a fault holds until it is reset."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from robots_controller.control.stops.faults import Fault, StopCategory
@@ -32,11 +33,14 @@ class StopState:
 
 
 class StopLatch:
-    """The fault that stopped the robot, and the faults whose causes are still there."""
+    """The fault that stopped the robot, and the faults whose causes are still there.
+
+    One thread changes it; any thread may read `state` and call `check_reset`.
+    """
 
     def __init__(self) -> None:
         self.state = StopState()
-        self._causes: dict[Fault, str] = {}
+        self._causes: Mapping[Fault, str] = {}  # replaced, never changed: another thread may iterate over it
 
     @property
     def latched(self) -> bool:
@@ -55,7 +59,7 @@ class StopLatch:
             The robot is to be stopped for it.
         """
         if stands:
-            self._causes[fault] = reason
+            self._causes = {**self._causes, fault: reason}
         before = self.state.fault
         if before is not None and (fault.category >= before.category or not self.state.drives_on):
             return False
@@ -64,7 +68,7 @@ class StopLatch:
 
     def clear(self, fault: Fault) -> None:
         """The cause of a fault is gone; the stop stays."""
-        self._causes.pop(fault, None)
+        self._causes = {one: reason for one, reason in self._causes.items() if one is not fault}
 
     def stands(self) -> None:
         """The stop is complete: the drives are switched off if the fault says so."""
