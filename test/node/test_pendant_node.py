@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
@@ -66,7 +67,7 @@ class OperatedCell(ProgramCell):
 
         self.wait(held, what)
         if actions:  # not in the condition, which holds up the nodes
-            self.operator.act(ME, actions[0])
+            self.until_done(lambda: self.operator.act(ME, actions[0]), again=held)
             self.wait(held, what)
 
     def step(self, key: str, size: float) -> None:
@@ -85,11 +86,9 @@ class OperatedCell(ProgramCell):
         self.presses += 1
         number, key = self.presses, f'{STEP_KEY}{step}'
         self.wait(lambda: self.operator.hold(ME, number, key) is Action.STEP, 'a step')
-        while True:
-            with contextlib.suppress(NotNowError):  # on a slow machine the sign is too old
-                self.operator.step(ME, step)
-                return
-            self.operator.hold(ME, number, key)
+        self.until_done(
+            lambda: self.operator.step(ME, step), again=lambda: self.operator.hold(ME, number, key)
+        )
 
     def stop(self) -> None:
         """Stop program and robot, and permit motion again."""
@@ -97,15 +96,21 @@ class OperatedCell(ProgramCell):
         self.wait(lambda: self.state.fault_kind == Fault.STOP.label, 'the stop')
         # Both nodes are asked at once: the program has failed if the robot is stopped first.
         self.wait(lambda: self.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
-        self.until_done(Action.RESET)
+        self.until_done(lambda: self.operator.act(ME, Action.RESET))
         self.wait(lambda: not self.state.fault, 'a robot that may move')
 
-    def until_done(self, action: Action) -> None:
-        """Do what nodes refuse as long as the robot moves, or they have not noticed that it stands."""
+    def until_done(self, do: Callable[[], object], again: Callable[[], object] = lambda: None) -> None:
+        """Do what nodes refuse for now: the robot moves, or the sign that a button is held is too old.
+
+        Args:
+            do: Raises NotNowError while it is refused.
+            again: What to do after a refusal: another sign that the button is held.
+        """
         while True:
             with contextlib.suppress(NotNowError):
-                self.operator.act(ME, action)
+                do()
                 return
+            again()
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the mode as soon as the robot stands."""
@@ -218,7 +223,7 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     cell.wait(lambda: cell.state.program.state is RunState.PAUSED, 'a held program')
     assert cell.state.program.hold == 'release'
     cell.stop()
-    cell.until_done(Action.REWIND)
+    cell.until_done(lambda: cell.operator.act(ME, Action.REWIND))
     cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'its start')
     cell.operator.set_override(ME, 1.0)
     cell.wait(lambda: cell.state.override == 1.0, 'the override')
