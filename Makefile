@@ -191,6 +191,10 @@ benchmark-first-results: build  ## Time until the first result of every block in
 benchmark-cell-at-rest: build  ## What a cell takes of a core while its robot stands, side by side with bare rclpy nodes
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_cell_at_rest.py $(OPTIONS)
 
+.PHONY: benchmark-discovery
+benchmark-discovery: build  ## Until a restarted process and the others find each other, side by side with the settings of ROS
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_discovery.py $(OPTIONS)
+
 .PHONY: benchmark-plant
 benchmark-plant: build .venv/.installed_tests  ## Values of a plant through a program's handler and back, side by side with bare clients; COUNT=200
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_plant.py --count $(or $(COUNT),200) $(OPTIONS)

@@ -144,7 +144,9 @@ def goes_on(observer: Observer) -> bool:
 
 def let_go_on(observer: Observer, origin: float) -> float:
     """Reset, open and run, as a person does, until the robot moves: when it did, s after the origin."""
-    deadline, obstacle = time.monotonic() + USABLE_TIME, ''
+    deadline, obstacle = time.monotonic() + USABLE_TIME, 'not all nodes give signs of life'
+    # A person sees on the pendant which nodes are lost. Before, a call would go to the dead process.
+    happens(lambda: observer.all_alive, USABLE_TIME)
     while time.monotonic() < deadline:
         # What is not necessary is refused, and does no harm.
         observer.call('lua_program_node/stop')
