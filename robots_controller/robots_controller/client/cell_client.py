@@ -93,6 +93,7 @@ class CellClient:
         self._states = PolledSubscription(node, JointState, 'joint_states', raw=True)
         self._reader = JointStateReader(names)
         self._position: Array | None = None
+        self._taking = threading.Lock()
         self._latched: dict[str, str] = {}
         self._override = make_publisher(node, Float64, 'override')
         self._planner = PlannerClient(node, names)
@@ -220,12 +221,13 @@ class CellClient:
         Raises:
             RobotsError: none have come yet.
         """
-        raw = self._states.take()
-        if raw is not None:
-            self._position = read_only(self._reader.position(raw))
-        if self._position is None:
-            raise NoAnswerError('no joint_states have come yet: are the drives running?')
-        return self._position
+        with self._taking:
+            raw = self._states.take()
+            if raw is not None:
+                self._position = read_only(self._reader.position(raw))
+            if self._position is None:
+                raise NoAnswerError('no joint_states have come yet: are the drives running?')
+            return self._position
 
     @property
     def tool_pose(self) -> Pose:

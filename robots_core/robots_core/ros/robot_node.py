@@ -169,7 +169,9 @@ class RobotNode(TimedNode):
     def _publish_health(self) -> None:
         level, message = self._health
         now = self.now()
-        strangers = [text for since, text in self._strangers.values() if now - since <= STRANGER_SHOWN]
+        # A copy: other threads than this one take messages too.
+        found = list(self._strangers.values())
+        strangers = [text for since, text in found if now - since <= STRANGER_SHOWN]
         if strangers:
             message = '; '.join(strangers if level == DiagnosticStatus.OK else [message, *strangers])
             level = max(level, DiagnosticStatus.WARN)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from threading import Lock
 from typing import Final
 
 import numpy as np
@@ -52,6 +53,7 @@ class PendantLink(ProgramLink):
         self._ghosts = make_publisher(node, JointState, 'ghost')
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self._reference: Array | None = None
+        self._taking = Lock()  # any thread asks for the reference
         self._feedback = PolledSubscription(node, JointState, 'joint_states')
 
     def jog_axes(self, velocity: Array) -> None:
@@ -78,10 +80,11 @@ class PendantLink(ProgramLink):
 
     def reference(self) -> Array | None:
         """See `PendantPort`."""
-        message = self._references.take()
-        if message is not None:
-            self._reference = single_point(message, self._names, 'joint_reference')[0]
-        return self._reference
+        with self._taking:
+            message = self._references.take()
+            if message is not None:
+                self._reference = single_point(message, self._names, 'joint_reference')[0]
+            return self._reference
 
     def feedback(self) -> MeasuredMotion | None:
         """See `PendantPort`."""

@@ -19,7 +19,7 @@ class PolledSubscription:
 
     Waking the executor costs several times what taking a message does; a loop that looks once per period
     anyway needs no waking. In lock-step, what was sent in earlier phases is waited for when the loop looks:
-    the messages taken do not depend on the machine.
+    the messages taken do not depend on the machine. One thread at a time takes messages.
 
     Args:
         node: Where the subscription belongs.

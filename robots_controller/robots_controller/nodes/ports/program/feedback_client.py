@@ -21,7 +21,7 @@ FEEDBACK_PERIOD: Final = 0.005  # s
 
 
 class FeedbackClient:
-    """The newest of `joint_states`.
+    """The newest of `joint_states`; for any thread.
 
     Args:
         node: The node.
@@ -32,6 +32,7 @@ class FeedbackClient:
         self._joint_names = joint_names
         self._lasting = node.simulated_time  # a clock that stands still keeps what was measured
         self._feedback = PolledSubscription(node, JointState, 'joint_states')
+        self._taking = threading.Lock()
         self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
 
@@ -41,10 +42,11 @@ class FeedbackClient:
         Raises:
             RobotsError: the feedback lacks positions or joints.
         """
-        message = self._feedback.take()
-        if message is not None:
-            self._measured = JointFeedback(*joint_motion(message, self._joint_names))
-        return self._measured
+        with self._taking:
+            message = self._feedback.take()
+            if message is not None:
+                self._measured = JointFeedback(*joint_motion(message, self._joint_names))
+            return self._measured
 
     def present(self) -> JointFeedback | None:
         """What the robot measures now; None where no feedback has come for `SILENCE`.
