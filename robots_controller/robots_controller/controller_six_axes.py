@@ -172,7 +172,7 @@ class ControllerSixAxes:
             run_state=cell.run_state,
             error=cell.error,
             stop=cell.controller.stops.state,
-            running=cell.cycle == 0 or cell.running or cell.records.any_open or not cell.holding,
+            running=cell.cycle == 0 or cell.running or cell.records.any_open or not cell.control.holding,
             events=events,
         )
 

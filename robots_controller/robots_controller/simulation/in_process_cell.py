@@ -2,14 +2,11 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.control.control_loop import ControllerRequest, ControlLoop
-from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
-from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.control.controller import NO_FEEDBACK, Controller
+from robots_controller.control.controller_rates import cycles
 from robots_controller.control.span import Span
-from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.stops.watched_inputs import WatchedInputs
 from robots_controller.io.io_image import Channel, image_sizes
 from robots_controller.program.joint_feedback import JointFeedback
@@ -17,6 +14,7 @@ from robots_controller.program.run_state import RunState
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
+from robots_controller.simulation.in_process_controller import InProcessController
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.record.events import Event
@@ -30,7 +28,6 @@ from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGua
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
@@ -81,15 +78,16 @@ class InProcessCell:
         )
         self._mail: Mail = Mail()
         self.controller: Controller = parts.controller
-        self.rates = ControllerRates(1.0 / parts.period, self.controller.settings.feedback_timeout)
-        self.control = ControlLoop(self.controller, self.rates, self, progress_every=1)
-        self._authority = self.controller.speed.authority
+        self.control = InProcessController(
+            parts.controller, parts.period, mail=self._mail, clock=self.clock, log=self.log
+        )
+        loop = self.control.loop
         link = InProcessPlanner(
             parts.planning,
             payload=parts.payload,
             mail=self._mail,
             clock=self.clock,
-            control=self.control,
+            control=loop,
             log=self.log,
             cost=self.cost,
         )
@@ -99,7 +97,7 @@ class InProcessCell:
             clock=self.clock,
             robot_port=self,
             planner=link,
-            controller=self,
+            controller=self.control,
             observer=self.log,
             io_labels=parts.io_labels,
             fail_safe=parts.fail_safe,
@@ -109,12 +107,17 @@ class InProcessCell:
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned
         link.on_settings = self._settings_changed
+        self.control.on_started = self._note_start
+        self.control.on_progress = self._progressed
+        self.control.on_result = self._control_ended
+        self.control.on_stop = self._stopped
+        self.control.on_run_enabled = self._run_enabled
         self.program = self._host.program
-        self.contact = contact_of_cell(parts, self.program.io, self.control, self.log)
+        self.contact = contact_of_cell(parts, self.program.io, loop, self.log)
         self.guide_player = SimulatedGuide(
             camera or self.contact or guide_of_cell(parts),
             parts.robot,
-            self.control,
+            loop,
             self._planner,
             method=parts.guided,
             on_message=self.log.guided if camera is None else lambda *_: None,
@@ -126,13 +129,9 @@ class InProcessCell:
             self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
         self._look_every = cycles(1.0 / parts.period, LOOK_RATE)
         self._watch_every = cycles(1.0 / parts.period, 1.0 / WATCH_PERIOD)
-        self._watched = WatchedInputs(self.control, parts.emergency_stop, parts.zone_inputs)
+        self._watched = WatchedInputs(loop, parts.emergency_stop, parts.zone_inputs)
         self._inputs: dict[str, int] = {}  # images of the inputs that were set, and their sizes
         self._feedback: JointFeedback | None = None  # the newest
-        self._position: Array | None = None  # of this period
-        self.cycle = -1
-        """Number of the last period."""
-        self._progress = 1.0
         self._started = False
         self.running = False
         """The program has not ended."""
@@ -150,7 +149,7 @@ class InProcessCell:
         Raises:
             RobotsError: the program cannot be opened or is not Lua.
         """
-        io, mode = self.program.io, self._authority.mode
+        io, mode = self.program.io, self.controller.speed.authority.mode
         for channel, value in inputs.items():
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
@@ -176,21 +175,18 @@ class InProcessCell:
             The reference at the end of the period, (3, n): position, velocity, acceleration; None before the
             first feedback.
         """
-        self.cycle += 1
-        self.clock.nanoseconds = self.cycle * self._period_ns
+        self.clock.nanoseconds = (self.cycle + 1) * self._period_ns
         before = self.cost.switch('controller')
         self.guide_player.step(self.clock.stamp)
-        position = self._position if self.control.feedback_due else None
-        reference = self.control.step(self.clock.now(), position)
-        self.control.report()
+        reference = self.control.step()
         self.cost.switch(before)
         return reference
 
     def measure(self, feedback: JointFeedback | None) -> None:
         """Take what the robot measures at the end of the period, None if nothing came."""
-        self._position = None
+        self.control.position = None
         if feedback is not None:
-            self._feedback, self._position = feedback, feedback.position
+            self._feedback, self.control.position = feedback, feedback.position
             if self.contact is not None:
                 self.contact.measure(feedback)
             if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
@@ -243,17 +239,17 @@ class InProcessCell:
             until: Time of the next event outside of this cell, s since the start; finite.
         """
         # A line is reported some periods after it was reached, not after its wait.
-        if self._host.reporter.due or self.control.pending:
+        if self._host.reporter.due or self.control.loop.pending:
             return 0
         until = min(until, (self.wait - START) / NANOSECONDS)
         last = math.floor(until / self._parts.period) - 1
         # Time without feedback ends with a period that has it: it must not seem to be lost.
-        last -= last % self.rates.holding_every + 1
+        every = self.control.rates.holding_every
+        last -= last % every + 1
         count = last - self.cycle
-        if count < self.rates.holding_every:
+        if count < every:
             return 0
-        self.control.pass_over(count)
-        self.cycle = last
+        self.control.loop.pass_over(count)
         self.clock.nanoseconds = last * self._period_ns
         return count
 
@@ -267,48 +263,16 @@ class InProcessCell:
         event = min(until * NANOSECONDS, self.wait - START)
         if event < math.inf:
             periods = min(periods, int(event) // self._period_ns - 1 - self.cycle)
-        elif self.holding:  # nothing may ever happen
+        elif self.control.holding:  # nothing may ever happen
             periods = 0
         if self._guard is not None:
             looks = self._look_every - 1 - self.cycle % self._look_every
             periods = 0 if self._guard.endangered else min(periods, looks)
         if self.guide_player.started or self._host.reporter.due or self._host.motions.timed:
             periods = 0
-        span = self.control.ahead(self.clock.now(), periods)
+        span = self.control.loop.ahead(self.clock.now(), periods)
         # A switch on the path is due in the period in which its place is reached.
         return span.first(int(span.progress.searchsorted(self._host.switching.next_progress)))
-
-    def follow(self, span: Span, move: Callable[[slice], Array]) -> int:
-        """Let the periods of a span pass; `measure` follows.
-
-        Args:
-            span: See `ahead`.
-            move: Lets the drives follow these periods of it; returns their positions (n,), rad (m).
-
-        Returns:
-            How many have passed: it ends early if the controller has to act on the feedback.
-        """
-        looks = self.rates.feedback_every(self.controller)
-        passed, position = 0, self._position
-        while passed < len(span):
-            first = self.cycle + 1
-            if first % looks == 0:
-                self.clock.nanoseconds = first * self._period_ns
-                before = span.references[passed - 1] if passed else self.controller.reference
-                assert before is not None
-                if not self.controller.look(self.clock.now(), position, before):
-                    break
-            # The drives move until the controller looks at their feedback again.
-            end = min(passed + looks - first % looks, len(span))
-            if not self.holding:
-                self._report_progress(span.progress[passed:end])
-            position = move(slice(passed, end))
-            self.cycle, passed = self.cycle + end - passed, end
-        self.clock.nanoseconds = self.cycle * self._period_ns
-        if passed:
-            self.control.follow_span(span.first(passed), self.clock.now())
-            self._progress = self.controller.progress
-        return passed
 
     def close(self) -> None:
         """End the program, if it still runs."""
@@ -320,9 +284,9 @@ class InProcessCell:
     # -- what there is ----------------------------------------------------------------------------
 
     @property
-    def holding(self) -> bool:
-        """The controller does not move the robot."""
-        return self.controller.state in (ControllerState.HOLDING, ControllerState.STOPPED)
+    def cycle(self) -> int:
+        """Number of the last period; -1 before the first one."""
+        return self.control.cycle
 
     @property
     def error(self) -> ProgramError | None:
@@ -340,13 +304,6 @@ class InProcessCell:
         return self.clock.deadline_stamp if self.clock.waiting else math.inf
 
     # -- inside -----------------------------------------------------------------------------------
-
-    def _report_progress(self, progress: Array) -> None:
-        """Report the progress after some of the next periods, where a report is due."""
-        first, every = self.cycle + 1, self.rates.progress_every
-        for k in range(-first % every, len(progress), every):
-            self.clock.nanoseconds = (first + k) * self._period_ns
-            self.log.progress(float(progress[k]))
 
     def _start(self) -> None:
         self._started = self.running = True
@@ -373,7 +330,7 @@ class InProcessCell:
         self._watched.look(image, self._parts.unknown_inputs)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as the service, which takes none
-        self.control.stop_before_collision()
+        self.control.loop.stop_before_collision()
         return True
 
     def _note_start(self) -> None:
@@ -398,52 +355,25 @@ class InProcessCell:
             if self._guard is not None:
                 self._guard.ended(result.id)
             self.records.ended(result, self.clock.elapsed)
-        self.control.ended(result)
+        self.control.loop.ended(result)
         self._host.motions.result(result)
         self.changed = True
-
-    # -- ports of the control loop ----------------------------------------------------------------
-
-    def result(self, result: MotionResult) -> None:
-        """See `ControlPort`."""
-        details = {**result.details, 'ended': f'{self.clock.now():.9f}'}
-        result = replace(result, details=details)
-        self.log.report('motion_result', result.status)
-        self._mail.append(lambda: self._control_ended(result))
 
     def _control_ended(self, result: MotionResult) -> None:
         self._planner.result(result, self.clock.now())
         self._motion_ended(result)
 
-    def progress(self, progress: float) -> None:
-        """See `ControlPort`."""
-        if progress < self._progress:  # of another motion than before
-            self._mail.append(self._note_start)
-        self._progress = progress
-        if progress in (0.0, 1.0) or self.cycle % self.rates.progress_every == 0:
-            self.log.progress(progress)
+    def _progressed(self, progress: float) -> None:
         now = self.clock.now()
         self._mail.append(lambda: self._host.switching.progress(now, progress))
         if self._guard is not None:
             self._guard.progress(progress)
 
-    def stream_refused(self, error: RobotsError, now: float) -> None:
-        """See `ControlPort`; a stopped sender keeps sending, as in a live cell."""
-
-    def stop_changed(self, state: StopState) -> None:
-        """See `ControlPort`."""
-        self.log.value('drives_on', state.drives_on)
-        self.log.report('stop_status', state.status)
-        if state.fault is not None:
-            self._mail.append(lambda: self._stopped(state.reason))
-
-    def run_enabled(self, *, enabled: bool) -> None:
-        """See `ControlPort`; a simulation needs no run button."""
-        self.log.value('run_enabled', enabled)
+    def _run_enabled(self, enabled: bool) -> None:  # noqa: FBT001  # as in `on_run_enabled`
         if enabled is not self._host.permission.enabled:
-            self._mail.append(lambda: self._run_enabled(enabled=enabled))
+            self._mail.append(lambda: self._let_run(enabled=enabled))
 
-    def _run_enabled(self, *, enabled: bool) -> None:
+    def _let_run(self, *, enabled: bool) -> None:
         self._host.run_enabled(enabled=enabled)
         self.changed = True
 
@@ -451,7 +381,7 @@ class InProcessCell:
         self._host.stop_changed(reason)
         self.changed = True
 
-    # -- ports of the program ---------------------------------------------------------------------
+    # -- the program's robot ------------------------------------------------------------------------
 
     def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`."""
@@ -465,23 +395,3 @@ class InProcessCell:
             return
         self.guide_player.hand_over(guide, self.clock.stamp)
         self.log.value('guide', guide.value)
-
-    def request(self, request: ControllerRequest) -> None:
-        """See `ControllerPort`."""
-        self.control.request(request)
-
-    def command(self, *, taken: bool) -> None:
-        """See `ControllerPort`; there is no other commander."""
-        if taken:
-            self._authority.take(Commander.PROGRAM, standing=self.control.at_rest)
-        else:
-            self._authority.give_back(Commander.PROGRAM)
-        self.log.value('commander', self._authority.commander.value)
-
-    def wait_for_command(self) -> None:
-        """See `ControllerPort`; it has answered."""
-
-    def set_override(self, value: float) -> None:
-        """See `ControllerPort`."""
-        self.control.set_override(value)
-        self.log.override(value)

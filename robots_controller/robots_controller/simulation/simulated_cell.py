@@ -139,7 +139,8 @@ class SimulatedCell:
 
     @property
     def _stands(self) -> bool:
-        return self._cell.holding and (self._cell.controller.stops.state.drives_on or self._supervised.braked)
+        cell = self._cell
+        return cell.control.holding and (cell.controller.stops.state.drives_on or self._supervised.braked)
 
     @property
     def _at_rest(self) -> bool:
@@ -164,7 +165,8 @@ class SimulatedCell:
         left = int(self._longest * NANOSECONDS) // self._period_ns - 1 - cell.cycle
         periods = min(self._longest_span, left)
         if self._on_progress is not None:
-            periods = min(periods, cell.rates.progress_every - 1 - cell.cycle % cell.rates.progress_every)
+            every = cell.control.rates.progress_every
+            periods = min(periods, every - 1 - cell.cycle % every)
         if self._bag is not None:
             periods = min(periods, self._bag.room)
         if self._bodies is not None or periods < LEAST_AHEAD:
@@ -182,7 +184,7 @@ class SimulatedCell:
                 return drives.position
 
             cell.cost.switch('drives')
-            passed = cell.follow(span, move)
+            passed = cell.control.follow(span, move)
             if passed:
                 recording.count += passed
                 self._supervised.pass_over(cell.clock.now(), span.references[:passed])
@@ -218,9 +220,9 @@ class SimulatedCell:
             program = cell.program
             cell.log.given_up = ProgramError(reason, file=program.file, line=program.line)
             program.stop()
-            cell.control.cancel(reason)
+            cell.control.loop.cancel(reason)
             cell.control.request('resume')
-            cell.control.set_override(1.0)
+            cell.control.loop.set_override(1.0)
             cell.clock.end()
 
     def _step(self) -> None:
@@ -246,7 +248,7 @@ class SimulatedCell:
         changes = self._plc.step(now) if self._plc.next_time <= now else []
         inputs = [(change.channel, change.value) for change in changes]
         cell.take_inputs(inputs if self._bodies is None else [*inputs, *self._bodies.changes()])
-        if self._on_progress is not None and cell.cycle % cell.rates.progress_every == 0:
+        if self._on_progress is not None and cell.cycle % cell.control.rates.progress_every == 0:
             self._on_progress(cell.clock.elapsed, cell.program.line)
 
     def _measure(self) -> None:

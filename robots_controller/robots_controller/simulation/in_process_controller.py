@@ -1,0 +1,167 @@
+"""InProcessController: the controller in one process with the program and the planner."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from robots_controller.control.control_loop import ControllerRequest, ControlLoop
+from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.span import Span
+from robots_controller.control.stops.stop_latch import StopState
+from robots_controller.program.turn_clock import NANOSECONDS
+from robots_controller.simulation.in_process_planner import Mail
+from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.simulated_clock import SimulatedClock
+from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.operating_modes import Commander
+from robots_core.errors import RobotsError
+from robots_core.validation import Array
+
+
+class InProcessController:
+    """Both ends of the messages between the controller and the cell: `ControlPort`, `ControllerPort`.
+
+    Args:
+        controller: The controller.
+        period: Its period, s.
+        mail: Carries the messages.
+        clock: Simulated time.
+        log: Gets the messages.
+    """
+
+    def __init__(
+        self, controller: Controller, period: float, *, mail: Mail, clock: SimulatedClock, log: CellLog
+    ) -> None:
+        self.controller = controller
+        self._period_ns = round(period * NANOSECONDS)
+        self._mail, self._clock, self._log = mail, clock, log
+        self.rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
+        self.loop = ControlLoop(controller, self.rates, self, progress_every=1)
+        self._authority = controller.speed.authority
+        self._progress = 1.0
+        self.position: Array | None = None
+        """Measured at the end of the last period, (n,), rad (m); None if nothing was measured."""
+        self.on_started: Callable[[], None] = lambda: None
+        """Called when a motion starts."""
+        self.on_progress: Callable[[float], None] = lambda _: None
+        """Gets the done part of the path, in the period in which it was reached."""
+        self.on_result: Callable[[MotionResult], None] = lambda _: None
+        """Gets the results that the controller sends."""
+        self.on_stop: Callable[[str], None] = lambda _: None
+        """Gets the reason when a fault stops the robot."""
+        self.on_run_enabled: Callable[[bool], None] = lambda _: None
+        """Gets whether motions of programs may continue, whenever that changes."""
+
+    @property
+    def cycle(self) -> int:
+        """Number of the last period; -1 before the first one."""
+        return self.loop.cycle - 1
+
+    @property
+    def holding(self) -> bool:
+        """The controller does not move the robot."""
+        return self.controller.state in (ControllerState.HOLDING, ControllerState.STOPPED)
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def step(self) -> Array | None:
+        """Make the step of the next period, whose time the clock has; returns its reference (3, n)."""
+        position = self.position if self.loop.feedback_due else None
+        reference = self.loop.step(self._clock.now(), position)
+        self.loop.report()
+        return reference
+
+    def follow(self, span: Span, move: Callable[[slice], Array]) -> int:
+        """Let the periods of a span pass.
+
+        Args:
+            span: See `Controller.ahead`.
+            move: Lets the drives follow these periods of it; returns their positions (n,), rad (m).
+
+        Returns:
+            How many have passed: it ends early if the controller has to act on the feedback.
+        """
+        clock, begin, looks = self._clock, self.loop.cycle, self.rates.feedback_every(self.controller)
+        passed = 0
+        while passed < len(span):
+            cycle = begin + passed
+            if cycle % looks == 0:
+                clock.nanoseconds = cycle * self._period_ns
+                before = span.references[passed - 1] if passed else self.controller.reference
+                assert before is not None
+                if not self.controller.look(clock.now(), self.position, before):
+                    break
+            # The drives move until the controller looks at their feedback again.
+            end = min(passed + looks - cycle % looks, len(span))
+            if not self.holding:
+                self._report_progress(cycle, span.progress[passed:end])
+            self.position = move(slice(passed, end))
+            passed = end
+        clock.nanoseconds = (begin + passed - 1) * self._period_ns
+        if passed:
+            self.loop.follow_span(span.first(passed), clock.now())
+            self._progress = self.controller.progress
+        return passed
+
+    def _report_progress(self, cycle: int, progress: Array) -> None:
+        """Report the progress after some periods from this one on, where a report is due."""
+        every = self.rates.progress_every
+        for k in range(-cycle % every, len(progress), every):
+            self._clock.nanoseconds = (cycle + k) * self._period_ns
+            self._log.progress(float(progress[k]))
+
+    # -- the controller's end -------------------------------------------------------------------------
+
+    def result(self, result: MotionResult) -> None:
+        """See `ControlPort`."""
+        details = {**result.details, 'ended': f'{self._clock.now():.9f}'}
+        result = replace(result, details=details)
+        self._log.report('motion_result', result.status)
+        self._mail.append(lambda: self.on_result(result))
+
+    def progress(self, progress: float) -> None:
+        """See `ControlPort`."""
+        if progress < self._progress:  # of another motion than before
+            self._mail.append(self.on_started)
+        self._progress = progress
+        if progress in (0.0, 1.0) or self.loop.cycle % self.rates.progress_every == 0:
+            self._log.progress(progress)
+        self.on_progress(progress)
+
+    def stream_refused(self, error: RobotsError, now: float) -> None:
+        """See `ControlPort`; a stopped sender keeps sending, as in a live cell."""
+
+    def stop_changed(self, state: StopState) -> None:
+        """See `ControlPort`."""
+        self._log.value('drives_on', state.drives_on)
+        self._log.report('stop_status', state.status)
+        if state.fault is not None:
+            self._mail.append(partial(self.on_stop, state.reason))
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        """See `ControlPort`; a simulation needs no run button."""
+        self._log.value('run_enabled', enabled)
+        self.on_run_enabled(enabled)
+
+    # -- the program's end ----------------------------------------------------------------------------
+
+    def request(self, request: ControllerRequest) -> None:
+        """See `ControllerPort`."""
+        self.loop.request(request)
+
+    def command(self, *, taken: bool) -> None:
+        """See `ControllerPort`; there is no other commander."""
+        if taken:
+            self._authority.take(Commander.PROGRAM, standing=self.loop.at_rest)
+        else:
+            self._authority.give_back(Commander.PROGRAM)
+        self._log.value('commander', self._authority.commander.value)
+
+    def wait_for_command(self) -> None:
+        """See `ControllerPort`; it has answered."""
+
+    def set_override(self, value: float) -> None:
+        """See `ControllerPort`."""
+        self.loop.set_override(value)
+        self._log.override(value)
