@@ -95,18 +95,17 @@ class Controller:
 
     @property
     def state(self) -> ControllerState:
-        """What the controller does now."""
+        """What the controller does now; from any thread."""
         if self.reference is None:
             return ControllerState.WAITING
         if self._brake is not None:
             return ControllerState.BRAKING
         if self._stream.active:
             return ControllerState.STREAMING
-        if self._motion is None:
+        motion = self._motion  # which may end meanwhile
+        if motion is None:
             return ControllerState.STOPPED if self.stops.latched else ControllerState.HOLDING
-        if self._motion.settling_since is not None:
-            return ControllerState.SETTLING
-        return ControllerState.FOLLOWING
+        return ControllerState.FOLLOWING if motion.settling_since is None else ControllerState.SETTLING
 
     @property
     def progress(self) -> float:
@@ -115,7 +114,7 @@ class Controller:
 
     @property
     def obstacle(self) -> str:
-        """Before what border the robot is held, for a person; '' for none."""
+        """Before what border the robot is held, for a person; '' for none; from any thread."""
         zones = self.speed.zones
         return '' if zones is None or self.standing else zones.obstacle
 

@@ -96,7 +96,8 @@ class MotionQueue:
     @property
     def all(self) -> list[FollowedMotion]:
         """All motions, in their order; from any thread."""
-        heads = [*([] if self.current is None else [self.current]), *list(self.waiting)]
+        current, waiting = self.current, list(self.waiting)
+        heads = waiting if current is None else [current, *waiting]
         return [motion for head in heads for motion in (head, *_successors(head))]
 
     def clear(self) -> list[FollowedMotion]:
@@ -146,7 +147,6 @@ class MotionQueue:
 def _successors(motion: FollowedMotion | None) -> list[FollowedMotion]:
     """Those that continue from a motion, one after the other."""
     found: list[FollowedMotion] = []
-    while motion is not None and motion.successor is not None:
-        motion = motion.successor
+    while motion is not None and (motion := motion.successor) is not None:
         found.append(motion)
     return found
