@@ -42,6 +42,7 @@ class Desk:
             self.queue,
             standing=lambda: self.start,
             path_time=lambda: self.path_time,
+            commit=self.queue.planned,
             send=self.sent.append,
             refuse=self.refuse,
             give_up=self.refuse,

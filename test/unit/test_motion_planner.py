@@ -43,6 +43,7 @@ class Cell:
         self.told: list[bool] = []
         self.patience: list[float] = []
         self.present = frozenset([b'first'])
+        self.held_up = False
         self.planner = MotionPlanner(planning, self)
 
     # -- port ---------------------------------------------------------------------------------------
@@ -55,6 +56,9 @@ class Cell:
 
     def controllers(self) -> frozenset[bytes]:
         return self.present
+
+    def missed(self) -> bool:
+        return self.held_up
 
     def submit(self, work: Callable[[], None]) -> None:
         work()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from other_threads import repeating
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.motion_queue import LONGEST_QUEUE
 from robots_core.errors import TrajectoryRefusedError
@@ -244,3 +245,17 @@ def test_the_queue_is_bounded(controller: Controller) -> None:
         controller.follow(move(ends[number % 2], ends[(number + 1) % 2]), str(number), 0.0)
     with pytest.raises(TrajectoryRefusedError, match=f'{LONGEST_QUEUE} motions are waiting'):
         controller.follow(move(CORNER, END), 'last', 0.0)
+
+
+def test_another_thread_may_look_at_the_motions_as_they_end(controller: Controller) -> None:
+    run = Run(controller)
+
+    def look() -> None:
+        assert None not in controller.motions
+        assert controller.state in ControllerState
+
+    with repeating(look):
+        for begin, end in [(START, CORNER), (CORNER, START)] * 100:
+            controller.follow(move(begin, end), 'seen', run.now)
+            run.until_holding()
+            run.references.clear()

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import re
-import sys
-import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from other_threads import repeating
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.faults import Fault, StopCategory
@@ -269,24 +268,14 @@ def test_the_documentation_has_the_same_table() -> None:
 
 def test_another_thread_may_ask_for_the_causes_while_they_change() -> None:
     latch = StopLatch()
-    done = threading.Event()
 
-    def change() -> None:
-        while not done.is_set():
+    def ask() -> None:
+        with contextlib.suppress(NotNowError):
+            latch.check_reset()
+
+    with repeating(ask):
+        for _ in range(200):
             for fault in Fault:
                 latch.trip(fault, fault.label, stands=True)
             for fault in Fault:
                 latch.clear(fault)
-
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    thread = threading.Thread(target=change)
-    thread.start()
-    try:
-        for _ in range(2000):
-            with contextlib.suppress(NotNowError):
-                latch.check_reset()
-    finally:
-        done.set()
-        thread.join()
-        sys.setswitchinterval(interval)

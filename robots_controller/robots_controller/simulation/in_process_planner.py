@@ -125,6 +125,10 @@ class InProcessPlanner:
         """See `MotionPlannerPort`: always the same one."""
         return frozenset()
 
+    def missed(self) -> bool:
+        """Never: see `MotionPlannerPort`."""
+        return False
+
     def submit(self, work: Callable[[], None]) -> None:
         """Now: see `MotionPlannerPort`."""
         work()

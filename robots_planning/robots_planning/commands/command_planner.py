@@ -26,6 +26,7 @@ class CommandPlanner:
         queue: Holds what runs.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
         path_time: How far the running motion is, s of its plan.
+        commit: Takes a plan into the queue, see `CommandQueue.planned`.
         send: Sends a motion.
         refuse: Answers a command that becomes no motion.
         give_up: Answers one that an obstacle has stopped and that does not go on around it.
@@ -38,6 +39,7 @@ class CommandPlanner:
         *,
         standing: Callable[[], Array],
         path_time: Callable[[], float],
+        commit: Callable[[RunningMotion, int], bool],
         send: Callable[[ChainPlan], None],
         refuse: Callable[[QueuedCommand, RobotsError], None],
         give_up: Callable[[QueuedCommand, RobotsError], None],
@@ -47,7 +49,7 @@ class CommandPlanner:
         self._planning, self._queue = planning, queue
         self._chain = MotionChain(planning.robot, planning)
         self._open: OpenEnd | None = None
-        self._standing, self._path_time = standing, path_time
+        self._standing, self._path_time, self._commit = standing, path_time, commit
         self._send, self._refuse, self._give_up = send, refuse, give_up
 
     def plan(self, chain: CommandChain) -> None:
@@ -108,7 +110,7 @@ class CommandPlanner:
                 continue
             join_time = planned.motion.duration if planned.open_end is None else planned.open_end.time
             motion = RunningMotion(planned.id, planned.motion.trajectory, planned.ends_by_id, join_time)
-            if self._queue.planned(motion, failures):
+            if self._commit(motion, failures):
                 break
         self._open = planned.open_end
         if planned.join_time > 0.0:

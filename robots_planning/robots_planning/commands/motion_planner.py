@@ -26,6 +26,7 @@ from robots_planning.trajectory_generators.trajectory_generator import Target
 # A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
 # changes settings in between needs two questions and answers of busy processes for it.
 BLEND_PATIENCE: Final = 0.3  # s
+HELD_UP: Final = 'the planner was held up'
 REST_SPEED: Final = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
 
 
@@ -44,6 +45,12 @@ class MotionPlannerPort(Protocol):
 
     def controllers(self) -> frozenset[bytes]:
         """Identities of the controllers, for a while also of a killed one; a new process has another."""
+
+    def missed(self) -> bool:
+        """Whether this process was held up so long that the others have missed it; until it shows itself again.
+
+        They have given up what they had commanded.
+        """
 
     def submit(self, work: Callable[[], None]) -> None:
         """Do work that takes long: now, or in the planner's thread, one after the other."""
@@ -95,6 +102,7 @@ class MotionPlanner:
             self._queue,
             standing=self.standing,
             path_time=self._path_time,
+            commit=self._commit,
             send=self._send,
             refuse=self._refuse,
             give_up=self._fail,
@@ -209,9 +217,13 @@ class MotionPlanner:
         """
         if self.moving:
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
+        failures = self._queue.failures
         motion = self.planning.checked(trajectory(self.standing()), settings=self.settings)
         running = RunningMotion(id_, motion.trajectory, {id_: motion.duration}, motion.duration)
-        self._queue.planned(running, self._queue.failures)
+        if not self._commit(running, failures):
+            raise PlanningError(
+                'what was commanded was given up while it was being planned; command it again'
+            )
         self._follow(id_, motion, running.ends, 'a given trajectory', 0.0)
 
     # -- the controller -------------------------------------------------------------------------------
@@ -272,6 +284,13 @@ class MotionPlanner:
         message = f'{BLOCKED}{again}: {what}'
         self._port.answer(MotionResult(result.id, ok=False, message=message, details=result.details))
 
+    def held_up(self) -> None:
+        """The process is about to show itself again after the others have missed it; from any thread.
+
+        Send nothing of what was commanded until now, as `give_up` does; `release` follows.
+        """
+        self._queue.give_up(HELD_UP, self._port.time())
+
     def lose_controller(self, reason: str) -> None:
         """The controller ends no motion any more: end them in its place."""
         for motion in self.motions:
@@ -324,6 +343,12 @@ class MotionPlanner:
         finally:
             self._planning_time = self._port.time() - begin
             self._unplanned.popleft()
+
+    def _commit(self, motion: RunningMotion, failures: int) -> bool:
+        """Take a plan into the queue, see `CommandQueue.planned`; not when the process has just been held up."""
+        if self._port.missed():
+            self._queue.give_up(HELD_UP, self._port.time())
+        return self._queue.planned(motion, failures)
 
     def _send(self, planned: ChainPlan) -> None:
         title = ' + '.join(command.kind.title for command in planned.commands)

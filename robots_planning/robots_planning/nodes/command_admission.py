@@ -39,7 +39,7 @@ class CommandAdmission:
         """Follows the commander of the robot."""
         self._fresh = FreshCommands(node, watchdog)
         self._last = Commander.NOBODY  # whose command was admitted last
-        self._was_held_up = node.create_guard_condition(partial(planner.give_up, 'the planner was held up'))
+        self._was_held_up = node.create_guard_condition(planner.release)
         self.watch = HeartbeatWatch(node, ('lua_program_node',), watchdog, self._on_watched)
         """Watches the program's node."""
         HeartbeatWatch(node, ('pendant_node',), PENDANT_LOST_AFTER if watchdog else 0.0, self._on_watched)
@@ -67,9 +67,14 @@ class CommandAdmission:
         self._last = commander
         return commander
 
+    def missed(self) -> bool:
+        """See `FreshCommands.missed`."""
+        return self._fresh.missed()
+
     def held_up(self, silence: float) -> None:
         """The others have missed the planner, and have given up what they had commanded; from any thread."""
         if self._fresh.held_up(silence):
+            self._planner.held_up()  # before the next sign of life, after which nothing is missed any more
             self._was_held_up.trigger()
 
     def _on_taken(self) -> None:

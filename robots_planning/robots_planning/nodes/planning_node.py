@@ -283,6 +283,10 @@ class PlanningNode(RobotNode):
         """See `MotionPlannerPort`: the publishers of references."""
         return frozenset(publishers_of(self, 'joint_reference'))
 
+    def missed(self) -> bool:
+        """See `MotionPlannerPort`."""
+        return self.admission.missed()
+
     def submit(self, work: Callable[[], None]) -> None:
         """See `MotionPlannerPort`; in simulated time at once, as it takes none of it."""
         if self.simulated_time:
