@@ -47,9 +47,9 @@ class MotionPlannerPort(Protocol):
         """Identities of the controllers, for a while also of a killed one; a new process has another."""
 
     def missed(self) -> bool:
-        """Whether this process was held up so long that the others have missed it; until it shows itself again.
+        """Whether the process was held up for so long that the others have given up what they had commanded.
 
-        They have given up what they had commanded.
+        True until its next sign of life.
         """
 
     def submit(self, work: Callable[[], None]) -> None:
@@ -221,9 +221,7 @@ class MotionPlanner:
         motion = self.planning.checked(trajectory(self.standing()), settings=self.settings)
         running = RunningMotion(id_, motion.trajectory, {id_: motion.duration}, motion.duration)
         if not self._commit(running, failures):
-            raise PlanningError(
-                'what was commanded was given up while it was being planned; command it again'
-            )
+            raise PlanningError('it was given up while it was being planned; command it again')
         self._follow(id_, motion, running.ends, 'a given trajectory', 0.0)
 
     # -- the controller -------------------------------------------------------------------------------
@@ -285,9 +283,9 @@ class MotionPlanner:
         self._port.answer(MotionResult(result.id, ok=False, message=message, details=result.details))
 
     def held_up(self) -> None:
-        """The process is about to show itself again after the others have missed it; from any thread.
+        """Send nothing of what was commanded before the process was held up; from any thread.
 
-        Send nothing of what was commanded until now, as `give_up` does; `release` follows.
+        Called before its next sign of life; `release` follows.
         """
         self._queue.give_up(HELD_UP, self._port.time())
 
@@ -345,7 +343,7 @@ class MotionPlanner:
             self._unplanned.popleft()
 
     def _commit(self, motion: RunningMotion, failures: int) -> bool:
-        """Take a plan into the queue, see `CommandQueue.planned`; not when the process has just been held up."""
+        """Take a plan into the queue, see `CommandQueue.planned`, unless the process was held up just now."""
         if self._port.missed():
             self._queue.give_up(HELD_UP, self._port.time())
         return self._queue.planned(motion, failures)
