@@ -29,7 +29,7 @@ def stopped(folder: Path, text: str, fault: Fault, at: float) -> SimulationRun:
 
     def trip(time: float, _line: int) -> None:
         if time >= at and not cell._cell.controller.stops.latched:
-            cell._cell.control.trip(fault, f'{fault.label}!')
+            cell._cell.control.loop.trip(fault, f'{fault.label}!')
 
     parts = cell_parts(program, robot=ROBOT)
     cell = SimulatedCell(parts, drive='second_order', bag=folder / 'bag', longest=20.0, on_progress=trip)
