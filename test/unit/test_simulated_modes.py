@@ -48,7 +48,7 @@ def test_a_program_is_paused_when_the_mode_with_run_held_is_left(tmp_path: Path)
             return [controller.step(q) for _ in range(count)]
 
         steps(5)
-        cell._authority.set_mode(OperatingMode.AUTOMATIC)
+        cell.controller.speed.authority.set_mode(OperatingMode.AUTOMATIC)
         cell._host.mode_changed(OperatingMode.AUTOMATIC)
         held = steps(100)[-1]
         assert (held.run_state, cell.program.hold_reason) == (RunState.PAUSED, 'pause')
