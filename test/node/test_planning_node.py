@@ -460,30 +460,18 @@ def long_plan(bench: PlanningBench) -> tuple[threading.Event, threading.Event]:
     return begun, goes_on
 
 
-def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any) -> None:
+@pytest.mark.parametrize('noticed', [True, False])
+def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any, *, noticed: bool) -> None:
     bench = PlanningBench(ros_nodes, watchdog=0.2)
     home = np.array(bench.robot.home)
     bench.stand(home)
     begun, goes_on = long_plan(bench)
     id_ = bench.command('ptpjoint_joint', home + 0.1, 12)
     assert begun.wait(60.0)
-    bench.node.held_up(60.0)
-    bench.wait(lambda: bench.node.planner._queue.failures, 'that it was held up')
-    goes_on.set()
-    assert bench.refusal(id_).message == 'given up: the planner was held up'
-    assert not bench.trajectories
-
-
-def test_what_was_planned_when_the_planner_was_held_up_is_not_sent_before_its_next_sign_of_life(
-    ros_nodes: Any,
-) -> None:
-    bench = PlanningBench(ros_nodes, watchdog=0.2)
-    home = np.array(bench.robot.home)
-    bench.stand(home)
-    begun, goes_on = long_plan(bench)
-    id_ = bench.command('ptpjoint_joint', home + 0.1, 12)
-    assert begun.wait(60.0)
-    bench.node.gives_signs_of_life(lambda: 60.0)  # the thread that plans is the first to go on
+    if noticed:  # by the thread that gives signs of life
+        bench.node.held_up(60.0)
+    else:  # the thread that plans is the first to continue
+        bench.node.gives_signs_of_life(lambda: 60.0)
     goes_on.set()
     assert bench.refusal(id_).message == 'given up: the planner was held up'
     assert not bench.trajectories

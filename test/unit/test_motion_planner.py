@@ -292,6 +292,17 @@ def test_a_given_trajectory_is_sent_if_the_robot_stands(cell: Cell) -> None:
     assert cell.told[-1]
 
 
+def test_a_given_trajectory_is_not_sent_when_the_planner_was_held_up(cell: Cell) -> None:
+    cell.held_up = True
+    with pytest.raises(PlanningError, match='given up while it was being planned'):
+        cell.planner.send_given('1', lambda q: LinearJoint(ROBOT).generate(q, q + 0.1))
+    assert not cell.sent
+    assert not cell.planner.moving
+    cell.held_up = False
+    cell.planner.send_given('2', lambda q: LinearJoint(ROBOT).generate(q, q + 0.1))
+    assert cell.ids == ['2']
+
+
 def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
     cell.move('1', 0.2)
     cell.present |= {b'another'}
