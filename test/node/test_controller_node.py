@@ -103,6 +103,10 @@ class ControllerBench(Bench):
         self.wait(lambda: np.any(self.references[-1] != HOME), 'a moving robot')
         return id_
 
+    def stamp(self) -> str:
+        """The id of a motion that is commanded now."""
+        return stamp_id(self.peer.get_clock().now().to_msg())
+
     def send(
         self,
         start: np.ndarray,
@@ -114,7 +118,7 @@ class ControllerBench(Bench):
         """Send a minimum-jerk motion, stamped now if it has no id; returns its id."""
         zero = doubles(np.zeros(start.size))
         message = JointTrajectory(joint_names=names or NAMES)
-        message.header.stamp = id_stamp(id_) if id_ else self.peer.get_clock().now().to_msg()
+        message.header.stamp = id_stamp(id_ or self.stamp())
         for time, q in ((0.0, start), (duration, goal)):
             point = JointTrajectoryPoint(positions=doubles(q), velocities=zero, accelerations=zero)
             point.time_from_start.sec, point.time_from_start.nanosec = int(time), int(1e9 * (time % 1))
@@ -294,6 +298,32 @@ def test_a_motion_of_a_program_that_is_lost_does_not_begin(
     result = bench.result()
     assert not result.ok
     assert result.message.startswith('given up: no sign of life of lua_program_node')
+
+
+@pytest.mark.parametrize('when', ['while it is lost', 'when it is back'])
+def test_a_motion_that_was_commanded_before_the_planner_was_lost_does_not_begin(
+    ros_nodes: Any, monkeypatch: pytest.MonkeyPatch, when: str
+) -> None:
+    monkeypatch.setattr(trajectory_intake, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
+    bench = ControllerBench(ros_nodes, watchdog=1.0)
+    planner = ros_nodes.add(TimedNode('planning_node', context=ros_nodes.context))
+    heartbeat = Heartbeat(planner)
+    bench.wait(lambda: 'planning_node' not in bench.controller.watch.unseen, 'its heartbeat')
+    commanded = bench.stamp()
+    heartbeat.stop()
+    bench.wait(lambda: bench.controller.watch.lost, 'the loss')
+    if when == 'when it is back':
+        heartbeat = Heartbeat(planner)
+        bench.wait(lambda: not bench.controller.watch.lost, 'its return')
+    bench.send(HOME, AWAY, id_=commanded)  # as a planner that was frozen right before it sent this
+    result = bench.result()
+    assert not result.ok
+    assert result.message.startswith('given up: no sign of life of planning_node')
+    np.testing.assert_array_equal(bench.references[-1], HOME)
+    bench.results.clear()
+    bench.send(HOME, AWAY)  # commanded since
+    assert bench.result().ok
+    heartbeat.stop()
 
 
 @pytest.mark.parametrize('how', ['service', 'an empty trajectory'])

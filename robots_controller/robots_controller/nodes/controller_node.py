@@ -30,7 +30,7 @@ from robots_controller.nodes.controller.watched_nodes import WatchedNodes
 from robots_controller.nodes.controller.watched_zones import WatchedZones
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.cell_interface.operating_modes import Commander, OperatingMode
+from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
@@ -140,8 +140,11 @@ class ControllerNode(ManagedNode):
         )
         self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
-        program_lost = partial(self._commanders.lose, Commander.PROGRAM)
-        self.watch = WatchedNodes(self, self._control, watchdog, self._zones.inputs, program_lost).heartbeats
+        changed = {
+            'lua_program_node': self._commanders.program_changed,
+            'planning_node': intake.planner_changed,
+        }
+        self.watch = WatchedNodes(self, self._control, watchdog, self._zones.inputs, changed).heartbeats
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',

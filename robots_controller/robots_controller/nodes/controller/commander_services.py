@@ -80,8 +80,12 @@ class CommanderServices:
         """Motions of programs may continue, or wait."""
         self._enabled_publisher.publish(Bool(data=enabled))
 
-    def lose(self, commander: Commander, reason: str) -> None:
-        """A commander is gone, see `ControlLoop.lose_commander`."""
+    def program_changed(self, reason: str) -> None:
+        """The program's node is lost, or is back ('')."""
+        if reason:
+            self._lose(Commander.PROGRAM, reason)
+
+    def _lose(self, commander: Commander, reason: str) -> None:
         if self._control.lose_commander(commander, reason):
             self._on_lost(reason)
         self._publish()
@@ -106,7 +110,7 @@ class CommanderServices:
 
     def _on_pendant(self, _name: str, lost: str) -> None:
         if lost:
-            self.lose(Commander.PENDANT, lost)
+            self._lose(Commander.PENDANT, lost)
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)

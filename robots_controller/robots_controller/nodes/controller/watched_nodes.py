@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
@@ -33,7 +33,7 @@ class WatchedNodes:
         control: Its loop.
         watchdog: Without a sign of life for this long a node is lost, s; 0: none is watched.
         zones: Inputs that close zones.
-        program_lost: Called with the reason when lua_program_node is lost.
+        changed: Called with the reason when the node with this name is lost, and with '' when it is back.
 
     Parameters:
         emergency_stop_inputs: Inputs that stop the robot.
@@ -50,9 +50,9 @@ class WatchedNodes:
         control: ControlLoop,
         watchdog: float,
         zones: ZoneInputs,
-        program_lost: Callable[[str], object],
+        changed: Mapping[str, Callable[[str], object]],
     ) -> None:
-        self._control, self._program_lost = control, program_lost
+        self._control, self._changed = control, changed
         emergency: EmergencyInputs = node.parameter(
             'emergency_stop_inputs',
             [''],
@@ -93,8 +93,8 @@ class WatchedNodes:
 
     def _on_change(self, name: str, reason: str) -> None:
         self._control.node_changed(self._faults[name], reason)
-        if reason and name == 'lua_program_node':
-            self._program_lost(reason)
+        if name in self._changed:
+            self._changed[name](reason)
 
     def _wait(self) -> None:
         unseen = self.heartbeats.unseen

@@ -10,6 +10,7 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.nodes.ports.stream_messages import stream_point_from_message
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, NotNowError, RobotsError
+from robots_core.ros.messages import id_stamp, nanoseconds
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import subscribe
@@ -19,7 +20,7 @@ from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.verification.trajectory_verification import verify
 
 CANCELED: Final = 'canceled by an empty joint_trajectory'
-GIVEN_UP_AFTER: Final = 0.5  # s, until the planner too has noticed that a commander is lost
+GIVEN_UP_AFTER: Final = 0.5  # s, until the planner has noticed that a commander is lost, or that it was
 
 
 class TrajectoryIntake:
@@ -45,6 +46,7 @@ class TrajectoryIntake:
         self._publish, self._report_cancellation = publish, report_cancellation
         self._names = list(node.robot.axes_data.names)
         self._lost, self._lost_until = '', -math.inf
+        self._planner_lost, self._planner_lost_at, self._planner_lost_until = '', 0, -math.inf
         self._subscription: Any = subscribe(
             node,
             JointTrajectory,
@@ -57,6 +59,14 @@ class TrajectoryIntake:
     def lose_commander(self, reason: str) -> None:
         """Refuse motions for now: the planner may send one that the lost commander has commanded."""
         self._lost, self._lost_until = reason, self._node.now() + GIVEN_UP_AFTER
+
+    def planner_changed(self, reason: str) -> None:
+        """The planner is lost, or is back (''): it may be about to send what was commanded before."""
+        if reason:
+            self._planner_lost, self._planner_lost_at = reason, self._node.get_clock().now().nanoseconds
+            self._planner_lost_until = math.inf
+        else:
+            self._planner_lost_until = self._node.now() + GIVEN_UP_AFTER
 
     def _take(self, raw: bytes) -> None:
         message = SerializedTrajectory(raw)
@@ -72,12 +82,19 @@ class TrajectoryIntake:
             return
         try:
             self._fresh.check(sender)
-            if self._node.now() < self._lost_until:
-                raise NotNowError(f'given up: {self._lost}')
+            self._check_lost(message)
             self._follow(message)
         except RobotsError as error:
             self._publish(MotionResult.refused(message.id, error))
             self._node.journal.error(f'joint_trajectory: {error}')
+
+    def _check_lost(self, message: SerializedTrajectory) -> None:
+        now = self._node.now()
+        if now < self._lost_until:
+            raise NotNowError(f'given up: {self._lost}')
+        commanded = nanoseconds(id_stamp(message.id))
+        if now < self._planner_lost_until and commanded < self._planner_lost_at:
+            raise NotNowError(f'given up: {self._planner_lost}')
 
     def _follow(self, message: SerializedTrajectory) -> None:
         trajectory, join = trajectory_from_message(message, self._names)
