@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -57,17 +58,18 @@ def drive_train(
         floating_drive: Callable[..., DriveTrain] = import_module(
             'robots_core.blocks.drives.floating_drive'
         ).floating_drive
-        return floating_drive(
+        joints = partial(
+            drive_train,
             level,
             robot,
             q,
-            orbit,
             period=period,
             bandwidth=bandwidth,
             damping=damping,
             payload=payload,
             feed_forward=feed_forward,
         )
+        return floating_drive(lambda base: joints(base=base), robot, q, orbit, period=period, payload=payload)
     if level == 'ideal':
         return IdealDrive(q, period=period)
     if level == 'second_order':

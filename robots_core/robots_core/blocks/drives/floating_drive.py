@@ -1,13 +1,13 @@
 """FloatingDrive: drives of an arm whose base floats."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.blocks.floating_base.floating_base import FloatingBase
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.floating_base.rendezvous import Rendezvous
 from robots_core.blocks.multibody.payload import Payload
@@ -68,17 +68,24 @@ class FloatingDrive(DriveTrain):
 
 
 def floating_drive(
-    level: str,
+    joints: Callable[[FloatingBase], DriveTrain],
     robot: BaseRobotModel,
     q: ArrayLike,
     orbit: Path | str,
     *,
     period: float,
     payload: Payload,
-    **options: Any,
 ) -> FloatingDrive:
-    """Drives of the joints and the bodies of an orbit's file; see `drive_train`."""
+    """Drives of the joints and the bodies of an orbit's file.
+
+    Args:
+        joints: Makes the drives of the joints of an arm on this base.
+        robot: The robot.
+        q: Joint positions at the start, (n,), rad (m), at rest.
+        orbit: YAML, see `read_orbit`.
+        period: Time of one step, s.
+        payload: Payload on tool0.
+    """
     start = np.array(q, dtype=np.float64)
     bodies = Rendezvous(robot, start, read_orbit(orbit), period=period, payload=payload)
-    joints = drive_train(level, robot, start, period=period, payload=payload, base=bodies.base, **options)
-    return FloatingDrive(joints, bodies)
+    return FloatingDrive(joints(bodies.base), bodies)
