@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import numpy as np
 import rclpy
-from browser_page import browser, open_page, press, take_control
+from browser_page import open_page, press, take_control
 from geometry_msgs.msg import TwistStamped
 from playwright.sync_api import Browser, CDPSession, Page
 from rclpy.executors import SingleThreadedExecutor
@@ -28,6 +28,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from trajectory_msgs.msg import JointTrajectory
 
+from installed_browsers import browser
 from node_pids import node_pids
 from printed_tables import machine, show
 from robots_controller.live_cell.cell_graph import NodeDescription

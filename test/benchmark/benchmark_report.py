@@ -13,11 +13,11 @@ import time
 from importlib.resources import files
 from pathlib import Path
 
-from browser_page import browser
 from playwright.sync_api import Browser
 from rich.console import Console
 from rich.table import Table
 
+from installed_browsers import browser
 from robots_controller.report.page import page as report_pages
 from robots_controller.report.page.page_world import POSES_PER_SECOND
 from robots_controller.report.run_report import RunReport, run_report

@@ -3,33 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from installed_browsers import installed_browser
+from installed_browsers import DEADLINE
 
-DEADLINE = 240.0  # s, for a machine that is slow and busy
 POLL = 20.0  # ms
 SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
 FORWARDS = '[data-press="axes 0 +"]'
-
-
-@contextmanager
-def browser(*arguments: str) -> Iterator[Browser]:
-    """The browser, without a window."""
-    path = installed_browser()
-    assert path, 'there is no Chromium: make browser'
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(
-            executable_path=path, args=['--no-sandbox', *arguments], timeout=1e3 * DEADLINE
-        )
-        try:
-            yield started
-        finally:
-            started.close()
 
 
 def open_page(running: Browser, url: str, **options: Any) -> Page:

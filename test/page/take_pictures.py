@@ -8,11 +8,12 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from browser_page import browser, open_page
+from browser_page import open_page
 from made_up_cell import made_up_operator, ready_state, running_program, served, some_messages, switched
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
+from installed_browsers import browser
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownPlc
 from robots_controller.pendant.trends import PERIOD

@@ -8,11 +8,12 @@ import pytest
 from nicegui import Client, core
 from playwright.sync_api import Browser
 
+from installed_browsers import browser
 from robots_controller.pendant.page.access.page_server import CONNECTION_TIMEOUT, RECONNECT_TIMEOUT
 from robots_controller.pendant.page.pendant_page import GONE_AFTER
 from robots_controller.pendant.pendant_operator import PendantOperator
 
-from .browser_page import FORWARDS, POLL, browser, open_page, press, take_control, wait
+from .browser_page import FORWARDS, POLL, open_page, press, take_control, wait
 from .made_up_cell import made_up_operator, served
 from .silent_network import silent_network
 

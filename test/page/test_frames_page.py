@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
+from installed_browsers import browser
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
@@ -17,7 +18,7 @@ from robots_core import Pose
 from robots_core.blocks import NumericalDynamics, Payload
 from robots_core.validation import Array
 
-from .browser_page import browser, open_page, take_control, wait
+from .browser_page import open_page, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, served
 from .touched_tip import TIP, TOOL, TURNS, guide, save, touching
 

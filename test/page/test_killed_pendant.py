@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .browser_page import browser, open_page, press, take_control
+from installed_browsers import browser
+
+from .browser_page import open_page, press, take_control
 from .page_cell import PAGE, Cell
 
 PENDANT = 'import sys; from robots_controller.nodes.pendant_node import main; sys.exit(main())'

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from .browser_page import browser, open_page, press, take_control, wait
+from installed_browsers import browser
+
+from .browser_page import open_page, press, take_control, wait
 from .made_up_cell import made_up_operator, served
 
 AXES = 100

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from installed_browsers import browser
 from robots_controller.nodes.pendant_node import PendantNode
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.program.run_state import RunState
 
-from .browser_page import browser, open_page, press, take_control, wait
+from .browser_page import open_page, press, take_control, wait
 from .page_cell import PAGE, Cell
 
 FAR = 0.05  # rad between two taught points

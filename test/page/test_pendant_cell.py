@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
+from installed_browsers import browser
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -20,7 +21,7 @@ from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_planning.nodes.planning_node import PlanningNode
 
-from .browser_page import FORWARDS, browser, open_page, press, take_control, wait
+from .browser_page import FORWARDS, open_page, press, take_control, wait
 from .touched_tip import TOOL, TURNS, guide, save, touching
 
 ROBOT = 'bello_bot'

@@ -7,9 +7,10 @@ from playwright.sync_api import Page
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from installed_browsers import DEADLINE, browser
 from robots_controller.pendant.page_access import PageAccess
 
-from .browser_page import DEADLINE, SOCKET, browser, wait
+from .browser_page import SOCKET, wait
 from .made_up_cell import made_up_operator, served
 
 PASSWORD = 'open sesame'  # noqa: S105

@@ -15,6 +15,7 @@ from playwright.sync_api import Browser, Page
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from installed_browsers import DEADLINE, browser
 from robots_controller.interpreter.debugger import CallStack, Frame, Variable
 from robots_controller.pendant.jog.pendant_motion import MotionPreview
 from robots_controller.pendant.pendant_operator import PendantOperator
@@ -27,7 +28,7 @@ from robots_core.robot_model.shapes import Capsule
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning
 
-from .browser_page import DEADLINE, FORWARDS, SOCKET, browser, open_page, press, take_control, wait
+from .browser_page import FORWARDS, SOCKET, open_page, press, take_control, wait
 from .made_up_cell import (
     PROGRAMS,
     MadeUpCell,

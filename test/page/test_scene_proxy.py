@@ -15,11 +15,12 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
+from installed_browsers import DEADLINE, browser
 from robots_controller.pendant.page_access import PageAccess
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_core.blocks.visualizer import Visualizer
 
-from .browser_page import DEADLINE, browser, wait
+from .browser_page import wait
 from .made_up_cell import made_up_operator, ready_state, served
 
 PASSWORD = 'open sesame'  # noqa: S105

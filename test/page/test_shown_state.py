@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
+from installed_browsers import browser
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownPlc
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 
-from .browser_page import browser, open_page, take_control, wait
+from .browser_page import open_page, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, running_program, served
 
 
