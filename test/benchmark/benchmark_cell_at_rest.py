@@ -5,8 +5,8 @@ A bare node publishes the messages of the node beside it at the same rates, by t
 to the same topics with callbacks that do nothing. Both groups run for the same time, one after the other.
 Then the references alone are received, for their gaps and how late they are.
 
---moving measures while a program moves the robot to and fro. --cells 10 starts ten cells, each in a namespace
-of its own, and prints what they take together. Other options are passed to `cell`, such as --composed and
+--moving measures while a program moves the robot to and fro. --cells 10 starts ten cells, each in its own ROS
+domain, and prints what they take together. Other options are passed to `cell`, such as --composed and
 --headless; without the latter the 3D view runs too, which no browser shows.
 """
 
@@ -25,6 +25,7 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ from robots_core import load_robot_model
 from robots_core.ros.message_class import message_class
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.running.middleware import choose_transports
+from ros_domains import reserved_domain
 
 CELL = Path('install/robots_controller/lib/robots_controller/cell')
 BARE = Path(__file__).with_name('bare_nodes.py')
@@ -201,11 +203,15 @@ def helpers(cell: int, nodes: Mapping[str, int]) -> dict[str, int]:
 
 
 @contextlib.contextmanager
-def running_cell(options: list[str]) -> Iterator[tuple[int, float]]:
+def running_cell(
+    options: list[str], environment: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[tuple[int, float]]:
     """Process id of a cell, and the time until it was ready, s."""
     start = time.monotonic()
     with tempfile.NamedTemporaryFile('w') as printed:
-        cell = subprocess.Popen([CELL, *options], stdout=printed, stderr=subprocess.STDOUT)
+        cell = subprocess.Popen(
+            [CELL, *options], stdout=printed, stderr=subprocess.STDOUT, env={**os.environ, **environment}
+        )
         try:
             while READY not in Path(printed.name).read_text():
                 if cell.poll() is not None or time.monotonic() - start > START_TIMEOUT:
@@ -243,8 +249,8 @@ def measured_cells(count: int, options: list[str], seconds: float) -> None:
     """Print what several cells take together."""
     with contextlib.ExitStack() as running:
         started = [
-            running.enter_context(running_cell(['--namespace', f'/robot_{number}', *options]))
-            for number in range(count)
+            running.enter_context(running_cell(options, running.enter_context(reserved_domain())))
+            for _ in range(count)
         ]
         pids = {
             f'{number} {name}': pid

@@ -1,15 +1,14 @@
 """Time until the first result of every block and planner in a process of its own, as one table.
 
 Run by `make benchmark-first-results`; OPTIONS=--markdown prints the table of docs/explanation/benchmarks.md.
-The time begins with the start of the process, before Python's own start; imports, the robot and the loading
-of compiled code from its cache are included. Below stands what bare NumPy, Numba with a function of one line
-from its cache, and Pinocchio take in the same run.
+The time begins with the start of the process, before Python's own start, and ends with the result; imports,
+the robot and the loading of compiled code from its cache are included. Below stands what bare NumPy, Numba
+with a function of one line from its cache, and Pinocchio take in the same run.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import statistics
 import subprocess
@@ -97,6 +96,7 @@ def first(values):
 
 first(np.zeros(3))
 """
+RESULT = '\nimport time; print(time.process_time(), flush=True)\n'
 
 
 class FirstResult(NamedTuple):
@@ -107,17 +107,18 @@ class FirstResult(NamedTuple):
     cpu: float
 
 
-def measured(name: str, command: list[str], repetitions: int) -> FirstResult:
+def measured(name: str, program: str, repetitions: int) -> FirstResult:
     """Once more than asked for: the first run fills the caches of the system."""
     walls, cpus = [], []
-    for _ in range(repetitions + 1):
-        before, start = os.times(), time.perf_counter()
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        walls.append(time.perf_counter() - start)
-        after = os.times()
-        cpus.append(
-            after.children_user - before.children_user + after.children_system - before.children_system
-        )
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / 'first_result.py'
+        script.write_text(program + RESULT)
+        for _ in range(repetitions + 1):
+            start = time.perf_counter()
+            with subprocess.Popen([sys.executable, '-P', script], stdout=subprocess.PIPE) as process:
+                assert process.stdout is not None
+                cpus.append(float(process.stdout.readline()))
+                walls.append(time.perf_counter() - start)
     return FirstResult(name, statistics.median(walls[1:]), statistics.median(cpus[1:]))
 
 
@@ -128,23 +129,18 @@ def first_results(names: str, repetitions: int) -> list[FirstResult]:
             load = '' if name.startswith('robot: ') else f'from {package} import {name}; '
             programs[name] = load + call
     return [
-        measured(name, [sys.executable, '-P', '-c', program], repetitions)
-        for name, program in programs.items()
-        if re.search(names, name)
+        measured(name, program, repetitions) for name, program in programs.items() if re.search(names, name)
     ]
 
 
 def bare_results(repetitions: int) -> list[FirstResult]:
-    python = [sys.executable, '-P']
-    with tempfile.TemporaryDirectory() as folder:
-        script = Path(folder) / 'cached_function.py'
-        script.write_text(CACHED_FUNCTION)
-        return [
-            measured('Python alone', [*python, '-c', ''], repetitions),
-            measured('NumPy alone', [*python, '-c', 'import numpy'], repetitions),
-            measured('Pinocchio alone', [*python, '-c', 'import pinocchio'], repetitions),
-            measured('Numba alone, a function from its cache', [*python, str(script)], repetitions),
-        ]
+    programs = {
+        'Python alone': '',
+        'NumPy alone': 'import numpy',
+        'Pinocchio alone': 'import pinocchio',
+        'Numba alone, a function from its cache': CACHED_FUNCTION,
+    }
+    return [measured(name, program, repetitions) for name, program in programs.items()]
 
 
 def main() -> None:

@@ -55,7 +55,9 @@ def _by_types_alone(find: Callable[..., Any], given: Sequence[Any], named: Mappi
     )
 
 
-@compiled()
+# Its signatures load it here, and with it all that Numba loads with a first function, while no garbage is
+# collected.
+@compiled('void(int64[:])', 'void(float64[:])')
 def sort_in_place(values: NDArray[Any]) -> None:
     """Sort a few values, (m,), by insertion.
 
