@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from trajectory_msgs.msg import JointTrajectory
@@ -21,6 +22,21 @@ from robots_planning.verification.trajectory_verification import verify
 
 CANCELED: Final = 'canceled by an empty joint_trajectory'
 GIVEN_UP_AFTER: Final = 0.5  # s, until the planner has noticed that a commander is lost, or that it was
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A node that was lost, and which motions are refused for that.
+
+    Attributes:
+        reason: For a person.
+        until: So long they are refused, s; by default none is.
+        before: Those that were commanded before this, ns of ROS time; by default all.
+    """
+
+    reason: str = ''
+    until: float = -math.inf
+    before: float = math.inf
 
 
 class TrajectoryIntake:
@@ -45,8 +61,7 @@ class TrajectoryIntake:
         self._node, self._control, self._fresh = node, control, fresh
         self._publish, self._report_cancellation = publish, report_cancellation
         self._names = list(node.robot.axes_data.names)
-        self._lost, self._lost_until = '', -math.inf
-        self._planner_lost, self._planner_lost_at, self._planner_lost_until = '', 0, -math.inf
+        self._commander_loss = self._planner_loss = Loss()
         self._subscription: Any = subscribe(
             node,
             JointTrajectory,
@@ -58,15 +73,14 @@ class TrajectoryIntake:
 
     def lose_commander(self, reason: str) -> None:
         """Refuse motions for now: the planner may send one that the lost commander has commanded."""
-        self._lost, self._lost_until = reason, self._node.now() + GIVEN_UP_AFTER
+        self._commander_loss = Loss(reason, until=self._node.now() + GIVEN_UP_AFTER)
 
     def planner_changed(self, reason: str) -> None:
         """The planner is lost, or is back (''): it may be about to send what was commanded before."""
         if reason:
-            self._planner_lost, self._planner_lost_at = reason, self._node.get_clock().now().nanoseconds
-            self._planner_lost_until = math.inf
+            self._planner_loss = Loss(reason, math.inf, self._node.get_clock().now().nanoseconds)
         else:
-            self._planner_lost_until = self._node.now() + GIVEN_UP_AFTER
+            self._planner_loss = replace(self._planner_loss, until=self._node.now() + GIVEN_UP_AFTER)
 
     def _take(self, raw: bytes) -> None:
         message = SerializedTrajectory(raw)
@@ -89,12 +103,10 @@ class TrajectoryIntake:
             self._node.journal.error(f'joint_trajectory: {error}')
 
     def _check_lost(self, message: SerializedTrajectory) -> None:
-        now = self._node.now()
-        if now < self._lost_until:
-            raise NotNowError(f'given up: {self._lost}')
-        commanded = nanoseconds(id_stamp(message.id))
-        if now < self._planner_lost_until and commanded < self._planner_lost_at:
-            raise NotNowError(f'given up: {self._planner_lost}')
+        now, commanded = self._node.now(), nanoseconds(id_stamp(message.id))
+        for loss in (self._commander_loss, self._planner_loss):
+            if now < loss.until and commanded < loss.before:
+                raise NotNowError(f'given up: {loss.reason}')
 
     def _follow(self, message: SerializedTrajectory) -> None:
         trajectory, join = trajectory_from_message(message, self._names)
