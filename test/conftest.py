@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import blas_threads  # noqa: F401  # before NumPy is loaded
+from late_drives import PATIENT
 from package_of_test import PACKAGES, package_of_test
 from robots_core.ros.running.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
 from ros_domains import reserved_domain
@@ -222,9 +223,13 @@ class NodeRunner:
         return self.add(Node(name, context=self.context, **options))
 
     def options(self, **parameters: Any) -> dict[str, Any]:
-        """Options of a node under test: its context and these parameters."""
+        """Options of a node under test: its context and these parameters.
+
+        Nodes that share the interpreter of a test are held up: unless a test sets `watchdog`, none is lost.
+        """
         from rclpy.parameter import Parameter  # noqa: PLC0415, TID251
 
+        parameters = {'watchdog': PATIENT, **parameters}
         overrides = [Parameter(name, value=value) for name, value in parameters.items()]
         return {'context': self.context, 'parameter_overrides': overrides}
 

@@ -489,7 +489,7 @@ def test_a_fault_of_the_drives_stops_the_motion(
 
 
 def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros_nodes: Any) -> None:
-    bench = ControllerBench(ros_nodes, watchdog=PATIENT)
+    bench = ControllerBench(ros_nodes)
     before = bench.references[-1]
 
     def hold_up() -> None:  # in the executor's thread, so that nothing is served meanwhile
@@ -536,7 +536,7 @@ def test_a_controller_that_is_started_again_in_a_launch_stays_stopped_until_its_
     bench = Bench(ros_nodes)
     stops = bench.collect('stop_status', DiagnosticStatus, EVERY_STATE, diagnostic_values)
     bench.start_node(DriveNode, **OPTIONS, **FAST_DRIVES)
-    options = {**OPTIONS, 'feedback_timeout': PATIENT, 'watchdog': PATIENT}
+    options = {**OPTIONS, 'feedback_timeout': PATIENT}
     for launch in ('monday', 'tuesday'):
         first = bench.start_node(ControllerNode, **options, launch=launch)
         bench.wait(lambda: stops and 'fault' not in stops[-1], 'a robot that may move')

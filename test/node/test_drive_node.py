@@ -40,8 +40,7 @@ class DriveBench(Bench):
         super().__init__(runner)
         self.states = self.collect('joint_states', JointState)
         # One process runs the test too, which no thread may push aside.
-        options = {'watchdog': 20.0, **parameters}  # the test's references come when they come
-        self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0, **options)
+        self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0, **parameters)
         self._reference: JointTrajectory | None = None
         references = self.publisher('joint_reference', JointTrajectory, STATE)
         self.peer.create_timer(0.01, lambda: self._reference and references.publish(self._reference))
@@ -101,7 +100,7 @@ def test_a_base_floats_live_and_its_momentum_stays(ros_nodes: Any):
     momenta, poses = bench.collect('momentum', Float64MultiArray), bench.collect('base_pose', PoseStamped)
     inputs = bench.collect('digital_inputs', UInt8MultiArray)
     seen = bench.collect('reference_pose', PoseStamped)
-    options = {'watchdog': 20.0, 'realtime_priority': 0, 'level': 'ideal', 'orbit': str(ORBIT)}
+    options = {'realtime_priority': 0, 'level': 'ideal', 'orbit': str(ORBIT)}
     drive = bench.start_node(DriveNode, robot_model='debris_arm?gravity=0,0,0', **options)
     bench.wait(lambda: states and poses, 'the robot and its base')
     bench.publisher('guide', String, STATE).publish(String(data='SENSOR'))

@@ -14,7 +14,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 from control_interfaces import control_msgs
-from late_drives import LATE_DRIVES, PATIENT, SPARSE
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.driver_file import Driver, DriverActionSettings, read_driver
@@ -50,7 +50,6 @@ class DrivenBench(Bench):
             robot_model='ur5e',
             driver=str(folder / 'driver.yaml'),
             realtime_priority=0,
-            watchdog=PATIENT,
             **SPARSE,
         )
         measured = self.publisher('/driver/joint_states', JointState)

@@ -49,7 +49,6 @@ class HardwareBench(Bench):
             robot_model='ur5e',
             driver=str(folder / 'driver.yaml'),
             realtime_priority=0,
-            watchdog=20.0,  # the test's references come when they come
         )
         self.publisher(driver.running, Bool, STATE)
         self.publisher(driver.speed_scaling, Float64)

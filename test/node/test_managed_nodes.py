@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from late_drives import LATE_DRIVES, PATIENT
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.blocks.drives.supervised_drives import DriveState
@@ -43,7 +43,7 @@ class ManagedBench(Bench):
         self.states = self.collect('joint_states', JointState)
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.power = self.collect('drives_on', Bool, STATE, lambda message: message.data)
-        options: dict[str, Any] = {'robot_model': NAME, 'realtime_priority': 0, 'watchdog': PATIENT}
+        options: dict[str, Any] = {'robot_model': NAME, 'realtime_priority': 0}
         self.drive = self.start_node(DriveNode, **options, managed=True, bandwidth=[40.0])
         self.controller = self.start_node(ControllerNode, **options, managed=True, **LATE_DRIVES)
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)

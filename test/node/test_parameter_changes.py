@@ -10,7 +10,7 @@ import pytest
 from rclpy.parameter import Parameter
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from late_drives import LATE_DRIVES, PATIENT
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.cell_interface.parameter_changes import CHANGES, Change, change_of
@@ -124,8 +124,8 @@ def test_a_stream_of_a_sensor_counts_as_moving_until_the_robot_stands(ros_nodes:
     bench = Bench(ros_nodes)
     options = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
     bench.start_node(DriveNode, **options)
-    bench.start_node(ControllerNode, **options, **LATE_DRIVES, watchdog=PATIENT)
-    planner = bench.start_node(PlanningNode, robot_model='kuka_kr210_r2700', watchdog=PATIENT)
+    bench.start_node(ControllerNode, **options, **LATE_DRIVES)
+    planner = bench.start_node(PlanningNode, robot_model='kuka_kr210_r2700')
     bench.wait(planner.reference, 'the robot')
     assert not planner.moving
     sensor = ros_nodes.create_node('inverse_kinematics_node')

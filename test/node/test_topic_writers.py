@@ -13,7 +13,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from late_drives import LATE_DRIVES, PATIENT
+from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller.foreign_writers import ForeignWriters
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -49,10 +49,11 @@ class Cell(Bench):
 
     def __init__(self, runner: Any) -> None:
         super().__init__(runner)
-        options = {'robot_model': NAME, 'watchdog': PATIENT}
         self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0)
-        self.controller = self.start_node(ControllerNode, **options, realtime_priority=0, **LATE_DRIVES)
-        self.planner = self.start_node(PlanningNode, **options)
+        self.controller = self.start_node(
+            ControllerNode, robot_model=NAME, realtime_priority=0, **LATE_DRIVES
+        )
+        self.planner = self.start_node(PlanningNode, robot_model=NAME)
         self.stranger = runner.create_node('stranger')
         self.positions = self.collect(
             'joint_states', JointState, read=lambda message: np.array(message.position)
@@ -148,7 +149,7 @@ def test_a_controller_that_is_started_again_is_heard_at_once(ros_nodes: Any) -> 
     assert cell.call('controller_node/commander/program', SetBool.Request(data=True), SetBool).success
     cell.wait(lambda: commanders.commander is Commander.PROGRAM, 'the commander at the planner')
     ros_nodes.destroy(cell.controller)
-    cell.start_node(ControllerNode, robot_model=NAME, watchdog=PATIENT, **LATE_DRIVES)
+    cell.start_node(ControllerNode, robot_model=NAME, **LATE_DRIVES)
     cell.wait(lambda: commanders.commander is Commander.NOBODY, 'the commander of the new controller')
 
 

@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
-from late_drives import LATE_DRIVES, PATIENT
+from late_drives import LATE_DRIVES
 from robots_controller.control.zones.shared_zone import Claim, ZoneState, parse_zone_state
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
@@ -48,11 +48,10 @@ class ZoneBench(Bench):
         )
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.claims = self.collect('zone_claims', DiagnosticStatus, EVERY_STATE, self._claim)
-        options = {'robot_model': NAME, 'watchdog': PATIENT}
-        self.start_node(DriveNode, **options, bandwidth=[40.0])
+        self.start_node(DriveNode, robot_model=NAME, bandwidth=[40.0])
         self.controller = self.start_node(
             ControllerNode,
-            **options,
+            robot_model=NAME,
             realtime_priority=0,
             **LATE_DRIVES,
             scene=str(scene),
