@@ -129,7 +129,7 @@ def solve_factorised(
     return EXHAUSTED
 
 
-@compiled()
+@compiled(counted=False)
 def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
     """The constraint that x violates most, bounds first, and its side; -1 if there is none."""
     n = x.size
@@ -155,7 +155,7 @@ def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) ->
     return chosen, side
 
 
-@compiled()
+@compiled(counted=False)
 def _enter(
     L: Array, C: Array, low: Array, high: Array, chosen: int, side: float, count: int, set_: ActiveSet
 ) -> None:
@@ -171,7 +171,7 @@ def _enter(
     set_.bound[count] = -high[chosen] if side > 0.0 else low[chosen]
 
 
-@compiled()
+@compiled(counted=False)
 def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, int]:
     """Move y to the entering constraint, and drop those that become inactive; a status and the new count."""
     Q, R, u = set_.Q, set_.R, set_.u
@@ -208,7 +208,7 @@ def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, 
     return EXHAUSTED, count
 
 
-@compiled()
+@compiled(counted=False)
 def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     """Fill row k of Q and column k of R; the squares of the normal, and of its part across those before.
 
@@ -239,7 +239,7 @@ def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     return length, rest
 
 
-@compiled()
+@compiled(counted=False)
 def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
     """Remove one of `count` constraints; those behind it move up."""
     set_.side[set_.number[leaving]] = 0.0
@@ -250,7 +250,7 @@ def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
         _orthogonalise(set_, k)
 
 
-@compiled()
+@compiled(counted=False)
 def _recompute(y0: Array, y: Array, count: int, set_: ActiveSet) -> None:
     """Fill y and u from the active constraints: R u = v, y = y0 + Q^T v, v = R^-T b - Q y0."""
     Q, R, u = set_.Q, set_.R, set_.u
