@@ -12,7 +12,7 @@ from rclpy.duration import Duration
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_core import load_robot_model
+from robots_core import Pose, load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
@@ -76,6 +76,11 @@ class PlanningBench(Bench):
         )
         assert self.references.wait_for_all_acked(Duration(seconds=10.0))
 
+    def below(self, distance: float = 0.1) -> Pose:
+        """A pose straight below home."""
+        start = Pose(*self.robot.direct_kinematics(self.robot.home))
+        return Pose(start.r - [0.0, 0.0, distance], start.T)
+
     def command(self, topic: str, target: Any, stamp: int) -> str:
         """Send a command with a stamp; returns its id."""
         time = Time(sec=stamp)
@@ -110,4 +115,4 @@ class PlanningBench(Bench):
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
         self.publish('motion_result', motion_result_message(result, ROBOT))
         self.wait(lambda: not self.node.planner.holds(id_), 'the result is with the node')
-        self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')
+        self.wait(lambda: id_ in [result.id for result in self.results], 'the result is with the test')

@@ -18,7 +18,7 @@ from robots_core.ros.qos import STATE
 from robots_core.ros.timed_node import TimedNode
 
 from .bench import EVERY_STATE, Bench
-from .test_controller_node import AWAY, HOME, OPTIONS, ControllerBench
+from .controller_bench import AWAY, HOME, OPTIONS, ControllerBench
 
 INPUTS = {'emergency_stop_inputs': ['digital_input.2=off']}
 SOURCE = 'io_bridge_node'
