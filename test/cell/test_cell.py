@@ -187,7 +187,7 @@ def test_a_cell_looks_for_nodes_that_others_have_started_before_it_starts_its_ow
     assert not list(tmp_path.glob('*/log/*'))
 
 
-def test_a_full_disk_is_told_while_the_cell_runs_on_and_leads_to_an_error_code(
+def test_a_full_disk_is_reported_while_the_cell_runs_on_and_leads_to_an_error_code(
     session_ros_domain: int, tmp_path: Path
 ) -> None:
     del session_ros_domain

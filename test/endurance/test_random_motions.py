@@ -63,7 +63,7 @@ def swings(velocity: float, acceleration: float) -> np.ndarray:
     ('velocity', 'acceleration', 'broken'),
     [(1.0, 1.0, []), (1.001, 1.0, ['velocity']), (1.0, 1.001, ['acceleration'])],
 )
-def test_differences_tell_a_limit_that_is_kept_from_one_that_is_not(
+def test_differences_distinguish_a_limit_that_is_kept_from_one_that_is_not(
     velocity: float, acceleration: float, broken: list[str]
 ) -> None:
     found = list(broken_limits(AXES, limit_uses(AXES, swings(velocity, acceleration), PERIOD)))

@@ -186,7 +186,7 @@ def test_topics_of_types_that_cannot_be_imported_are_left_out(
     assert '/foreign' not in read_bag(tmp_path / 'bag').topics
 
 
-def test_a_full_disk_is_told_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):
+def test_a_full_disk_is_reported_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):
     text = ros_nodes.create_node('source').create_publisher(String, 'text', QoSProfile(depth=1000))
     recorder = ros_nodes.add(BagRecorder(tmp_path / 'bag', namespace='/', context=ros_nodes.context))
     ros_nodes.wait_for(lambda: recorder.records(['text']), what='the recorder')

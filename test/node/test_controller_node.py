@@ -25,7 +25,7 @@ def bench(ros_nodes: Any) -> ControllerBench:
     return ControllerBench(ros_nodes)
 
 
-def test_follows_a_trajectory_and_tells_when_the_robot_stands_there(bench: ControllerBench) -> None:
+def test_follows_a_trajectory_and_reports_when_the_robot_stands_there(bench: ControllerBench) -> None:
     sent = bench.send(HOME, AWAY)
     result = bench.result()
     assert result.id == sent

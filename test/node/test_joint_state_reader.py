@@ -79,7 +79,7 @@ def test_reads_what_a_machine_of_the_other_byte_order_sends() -> None:
         (['a', 'b'], [float('inf'), 0.0], r'joint_states\[0\] is inf'),
     ],
 )
-def test_refuses_messages_that_do_not_tell_where_the_robot_is(
+def test_refuses_messages_that_do_not_say_where_the_robot_is(
     before: int, names: list[str], position: list[float], complaint: str
 ) -> None:
     reader = JointStateReader(['a', 'b'])

@@ -345,7 +345,7 @@ def test_what_happens_is_recorded_and_reported_on(cell: OperatedCell) -> None:
     assert settings(cell)['speed_fraction'] != pytest.approx(cell.state.jog_speeds.fraction)
 
 
-def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:
+def test_health_has_the_address_of_the_page(cell: OperatedCell) -> None:
     cell.wait(lambda: any(one.name == '/pendant_node' for one in cell.health), 'health')
     status = [one for one in cell.health if one.name == '/pendant_node'][-1]
     url = diagnostic_values(status)['url']

@@ -83,7 +83,7 @@ def test_motions_that_were_passed_are_answered_with_the_last_one(ros_nodes: Any)
     bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
 
 
-def test_a_chain_that_was_canceled_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
+def test_a_chain_that_was_canceled_reports_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
     bench = blended(ros_nodes)
     ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
     bench.planned()

@@ -96,7 +96,7 @@ def test_many_blended_motions_are_held_back_and_none_is_lost(ros_nodes: Any, tmp
     np.testing.assert_allclose(turned, [*(0.1 * np.arange(1, count + 1)), 0.0], atol=1e-9)
 
 
-def test_the_status_tells_the_line_of_the_motion_that_was_sent(ros_nodes: Any, tmp_path: Path):
+def test_the_status_has_the_line_of_the_motion_that_was_sent(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     (tmp_path / 'part.lua').write_text(f'wait(0)\n{MOVE}\n')
     bench.on_command = ignore  # each motion lasts until its line was reported

@@ -128,7 +128,7 @@ def test_pause_and_resume_hold_program_and_robot(ros_nodes: Any, tmp_path: Path)
     assert bench.controller_calls == ['pause', 'resume']
 
 
-def test_a_node_that_was_started_anew_knows_its_outputs_and_what_was_interrupted(
+def test_a_node_that_was_started_anew_reads_its_outputs_and_what_was_interrupted(
     ros_nodes: Any, tmp_path: Path
 ):
     path = tmp_path / 'test.lua'

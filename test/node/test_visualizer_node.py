@@ -28,7 +28,7 @@ def make_node(runner: Any, **parameters: Any) -> VisualizerNode:
     return runner.add(VisualizerNode(context=runner.context, parameter_overrides=overrides))
 
 
-def test_health_tells_the_address_of_the_page(ros_nodes: Any):
+def test_health_has_the_address_of_the_page(ros_nodes: Any):
     health: list[DiagnosticStatus] = []
     ros_nodes.create_node().create_subscription(
         DiagnosticArray, '/diagnostics', lambda message: health.extend(message.status), COMMAND

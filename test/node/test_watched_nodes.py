@@ -73,7 +73,7 @@ def test_an_input_stops_the_robot_until_it_is_released_and_reset(
     assert bench.result().ok
 
 
-def test_a_plc_that_has_not_sent_yet_is_told_from_a_button_and_one_reset_starts(
+def test_a_plc_that_has_not_sent_yet_is_distinguished_from_a_button_and_one_reset_starts(
     ros_nodes: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / 'map.yaml'

@@ -212,7 +212,7 @@ def paths(draw: st.DrawFn) -> JointPath:
 
 @settings(max_examples=30)
 @given(paths(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
-def test_axes_turn_no_farther_than_told(path: JointPath, one: float, other: float):
+def test_axes_turn_no_farther_than_the_bounds(path: JointPath, one: float, other: float):
     low, high = sorted((one * path.end, other * path.end))
     middle = 0.5 * (low + high)
     turn = path.turn(low, middle, high)

@@ -48,7 +48,7 @@ def test_a_bit_comes_back_and_the_others_stay(kind: str, data: st.DataObject):
     st.floats(0.01, 100.0).flatmap(lambda s: st.sampled_from([s, -s])),
     st.floats(-100.0, 100.0),
 )
-def test_an_analog_value_comes_back_within_half_a_unit_or_is_told(
+def test_an_analog_value_comes_back_within_half_a_unit_or_is_reported(
     kind: str, value: float, scale: float, offset: float
 ):
     field, lost = to_field(row('analog_output.1', scale=scale, offset=offset), value, kind, 0)

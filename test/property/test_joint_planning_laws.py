@@ -151,7 +151,7 @@ def arrivals(trajectory: Trajectory) -> np.ndarray:
 @pytest.mark.parametrize('name', ['kuka_kr210_r2700', 'bello_bot'])
 @settings(max_examples=60)  # the first example loads compiled code
 @given(start=parts, target=parts, scale=st.sampled_from([1.0, 0.1, 1e-3]))
-def test_every_axis_is_as_early_as_ruckig_knows(
+def test_every_axis_is_as_early_as_by_ruckig(
     name: str, start: list[float], target: list[float], scale: float
 ) -> None:
     robot = _LOADED[name]

@@ -78,7 +78,7 @@ def test_limits_belong_to_the_range():
         np.testing.assert_array_equal(axes.check_position(q), q)
 
 
-def test_position_outside_tells_axis_value_and_limits():
+def test_position_outside_names_axis_value_and_limits():
     with pytest.raises(JointLimitError, match=r'slide = 0.6 m is outside its limits \[0, 0.5\] m') as caught:
         _axes().check_position([0.0, 0.6, 0.0])
     assert caught.value.details == {'joint': 'slide', 'value': 0.6, 'lower': 0.0, 'upper': 0.5, 'unit': 'm'}

@@ -216,7 +216,7 @@ def test_all_but_the_named_topics_can_be_ignored(compare: Any):
         compare(recorded, expected, 'ignore: ["*"]')
 
 
-def test_topics_that_are_new_do_not_count_but_are_told(compare: Any):
+def test_topics_that_are_new_do_not_count_but_are_reported(compare: Any):
     comparison = compare([*RISE, (0.0, '/new', number(0.0))], RISE)
     assert comparison.ok
     assert comparison.unexpected == ('/new',)
@@ -233,7 +233,7 @@ def test_topics_that_are_new_do_not_count_but_are_told(compare: Any):
         ('tolerance: 1\n', 1, "unknown key 'tolerance'"),
     ],
 )
-def test_mistakes_in_tolerances_are_told_with_their_line(
+def test_mistakes_in_tolerances_are_reported_with_their_line(
     tmp_path: Path, content: str, line: int, message: str
 ):
     path = tmp_path / 't.yaml'

@@ -118,7 +118,7 @@ def test_metadata_with_another_qos_than_the_file_hides_no_message(
     assert len(read_bag(path).messages) == len(MESSAGES)
 
 
-def test_a_file_that_was_cut_off_is_read_up_to_the_cut_and_told(tmp_path: Path):
+def test_a_file_that_was_cut_off_is_read_up_to_the_cut_and_reported(tmp_path: Path):
     path = write_bag(tmp_path / 'bag', MESSAGES)
     file = path / 'bag.mcap'
     whole = file.read_bytes()
@@ -128,7 +128,7 @@ def test_a_file_that_was_cut_off_is_read_up_to_the_cut_and_told(tmp_path: Path):
     assert values(path) == EXPECTED
 
 
-def test_a_damaged_database_is_told(tmp_path: Path):
+def test_a_damaged_database_is_reported(tmp_path: Path):
     path = write_bag(tmp_path / 'bag', MESSAGES, storage=StoragePlugin.SQLITE3)
     file = path / 'bag.db3'
     file.write_bytes(file.read_bytes()[:3000])
@@ -145,7 +145,7 @@ def test_a_damaged_database_is_told(tmp_path: Path):
         (lambda path: path.write_text('x'), 'is a nameless file; read are'),
     ],
 )
-def test_what_is_no_bag_is_told(tmp_path: Path, make: Any, message: str):
+def test_what_is_no_bag_is_reported(tmp_path: Path, make: Any, message: str):
     make(tmp_path / 'bag')
     with pytest.raises(RobotsError, match=message):
         read_bag(tmp_path / 'bag')
@@ -161,13 +161,13 @@ def test_what_is_no_bag_is_told(tmp_path: Path, make: Any, message: str):
         ('a.db3', b'something else', 'cannot be read'),
     ],
 )
-def test_foreign_files_are_told(tmp_path: Path, name: str, content: bytes, message: str):
+def test_foreign_files_are_reported(tmp_path: Path, name: str, content: bytes, message: str):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(RobotsError, match=message):
         read_bag(tmp_path / name)
 
 
-def test_a_message_that_is_not_of_its_type_is_told(tmp_path: Path):
+def test_a_message_that_is_not_of_its_type_is_reported(tmp_path: Path):
     path = write_bag(tmp_path / 'bag', [(0.0, '/a', switch(True))])
     file = path / 'bag.mcap'
     # The message is there, without what follows its header.

@@ -74,7 +74,7 @@ def test_topics_are_chosen_and_renamed(bag: Bag):
         ({'remaps': {'/level': '/other'}}, 'two topics would be published as /other'),
     ],
 )
-def test_what_does_not_fit_is_told(bag: Bag, options: dict[str, Any], message: str):
+def test_what_does_not_fit_is_reported(bag: Bag, options: dict[str, Any], message: str):
     with pytest.raises(RobotsError, match=message):
         replay_plan(bag, **options)
 

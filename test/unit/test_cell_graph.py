@@ -63,7 +63,7 @@ def test_a_name_means_one_channel(tmp_path: Path):
         cell_graph(robot='bello_bot', io=PRESS, io_map=str(path))
 
 
-def test_a_mistake_in_a_file_is_told_with_its_line(tmp_path: Path):
+def test_a_mistake_in_a_file_is_reported_with_its_line(tmp_path: Path):
     path = tmp_path / 'plc.yaml'
     path.write_text('rules:\n  - {when: start}\n')
     with pytest.raises(RobotsError, match=r'plc\.yaml:2: set is missing'):

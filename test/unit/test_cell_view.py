@@ -100,7 +100,7 @@ def test_a_refused_motion_and_a_streamed_reference_are_no_motions_of_the_next_ch
     assert lines == ['stopped: out of reach', 'PTPJOINT_JOINT to (0.00 deg, 0.00 deg) in 1.00 s']
 
 
-def test_lines_of_the_program_are_told_once_and_with_the_file_that_they_are_of() -> None:
+def test_lines_of_the_program_are_reported_once_and_with_the_file_that_they_are_of() -> None:
     lines = shown(
         running(7, 'wait(1)'),
         running(7, 'wait(1)'),
@@ -133,7 +133,7 @@ def test_a_narrow_terminal_shows_the_beginning_of_a_line_and_a_log_all_of_it() -
     assert whole.endswith('word ")')
 
 
-def test_trouble_of_a_ready_node_is_told_and_not_repeated_at_once() -> None:
+def test_trouble_of_a_ready_node_is_reported_and_not_repeated_at_once() -> None:
     bad = NodeHealth('drive_node', 1, False, 'axis 2 is hot', '')
     lines = shown(bad, NodeHealth('drive_node', 1, True, '', 'http://here'), bad, bad)
     assert lines == ['ready  drive_node  http://here', 'drive_node: axis 2 is hot']

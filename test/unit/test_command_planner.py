@@ -144,7 +144,7 @@ def test_a_failure_while_it_plans_makes_it_plan_anew(desk: Desk, planning: PathP
     np.testing.assert_array_equal(desk.sent[-1].motion.trajectory.position[0], stood)
 
 
-def test_a_robot_that_does_not_stand_is_told(planning: PathPlanning) -> None:
+def test_a_robot_that_does_not_stand_is_reported(planning: PathPlanning) -> None:
     desk = Desk(planning)
 
     def moving() -> np.ndarray:

@@ -196,7 +196,7 @@ def test_programs_elsewhere_are_not_launched(setup: Setup, tmp_path_factory: pyt
     assert setup.program.path is None
 
 
-def test_failure_of_the_program_is_told(setup: Setup):
+def test_failure_of_the_program_is_reported(setup: Setup):
     setup.path.write_text('wait(-1)')
     setup.launch()
     output = setup.editor.wait_for('output')

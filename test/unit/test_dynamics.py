@@ -183,7 +183,7 @@ def test_gravity_is_the_robots_own():
         close(dynamics.torques(q, q_dot, q_ddot), upright)
 
 
-def test_function_dynamics_keep_what_only_the_robot_knows(monkeypatch: pytest.MonkeyPatch):
+def test_function_dynamics_keep_what_only_the_robot_computes(monkeypatch: pytest.MonkeyPatch):
     robot = load_robot_model('cello_bot')
     own = robot.rigid_dynamics
 

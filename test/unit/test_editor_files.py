@@ -60,7 +60,7 @@ def test_everybody_names_the_same_port():
         assert re.findall(r'--debug-port (\d+)', file.read_text()) == [str(port)]
 
 
-def test_the_language_server_is_told_the_same_from_either_folder():
+def test_the_language_server_gets_the_same_settings_from_either_folder():
     alone, inside = read(ROOT / 'programs' / '.luarc.json'), read(CODE / 'settings.json')
     del alone['$schema']
     folders = alone.pop('workspace.library')

@@ -44,7 +44,7 @@ def test_what_is_set_is_read_again_and_nothing_else_changes(text: str):
         ('x', "the message has no field 'x'"),
     ],
 )
-def test_what_is_not_there_is_told(text: str, problem: str):
+def test_what_is_not_there_is_reported(text: str, problem: str):
     for use in (
         lambda p: p.get(message()),
         lambda p: p.set(message(), 1) if '[' in text else p.get(message()),
@@ -56,7 +56,7 @@ def test_what_is_not_there_is_told(text: str, problem: str):
 @pytest.mark.parametrize(
     'text', ['', '.', '.a', 'a.', 'a..b', '[0]', 'a[', 'a[]', 'a[-1]', 'a[0]b', 'a b', 'a[1e3]', '1a']
 )
-def test_what_is_no_path_is_told(text: str):
+def test_what_is_no_path_is_reported(text: str):
     with pytest.raises(InvalidInputError, match='is no path of a field'):
         FieldPath.parse(text)
 

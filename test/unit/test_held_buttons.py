@@ -134,7 +134,7 @@ def test_a_tool_is_jogged_along_a_taught_frame(tmp_path: Path, name: str) -> Non
         assert np.flatnonzero(np.abs(seen.ravel()) > 1e-12).tolist() == [index]
 
 
-def test_a_broken_points_file_is_told_with_its_line(tmp_path: Path) -> None:
+def test_a_broken_points_file_is_reported_with_its_line(tmp_path: Path) -> None:
     desk = Desk()
     points = tmp_path / 'part.points.yaml'
     points.write_text('points:\n  P1: {q: [0,\n')

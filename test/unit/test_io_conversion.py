@@ -52,12 +52,12 @@ def test_an_analog_input_is_scaled():
         (1.5, {'bit': 0}, 'a bit needs a whole number'),
     ],
 )
-def test_what_is_no_value_is_told(raw: object, options: dict[str, Any], problem: str):
+def test_what_is_no_value_is_reported(raw: object, options: dict[str, Any], problem: str):
     with pytest.raises(InvalidInputError, match=problem):
         from_field(row('digital_input.1', **options), raw)
 
 
-def test_a_value_that_overflows_is_told():
+def test_a_value_that_overflows_is_reported():
     with pytest.raises(InvalidInputError, match='it is no finite number'):
         from_field(row('analog_input.1', scale=1e300), 1e300)
 

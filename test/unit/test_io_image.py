@@ -36,7 +36,7 @@ def test_every_channel_is_found_by_each_of_its_names():
 @pytest.mark.parametrize(
     'name', ['digital_input.0', 'digital_input.5', 'analog_input.3', '', 'digital_output.press_ready']
 )
-def test_an_unknown_name_is_told_what_there_is(name: str):
+def test_an_unknown_name_is_refused_with_what_there_is(name: str):
     with pytest.raises(
         InvalidInputError, match=r'digital_input\.1\.\.4.*analog_output\.1\.\.2.*torch_current'
     ) as info:

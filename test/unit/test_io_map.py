@@ -162,7 +162,7 @@ def test_types_are_written_short_or_in_full():
         ('signals:\n  a: digital_inputs.1\n', 2, "'digital_inputs.1' is no channel"),
     ],
 )
-def test_a_mistake_is_told_with_its_line(text: str, line: int, message: str):
+def test_a_mistake_is_reported_with_its_line(text: str, line: int, message: str):
     with pytest.raises(InvalidInputError) as info:
         parse_io_map(text, 'map.yaml')
     assert str(info.value).startswith(f'map.yaml:{line}: {message}')

@@ -45,7 +45,7 @@ def test_references_are_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize('count', [1, 2, 3])
-def test_what_states_do_not_tell_is_none(tmp_path: Path, count: int):
+def test_what_states_do_not_contain_is_none(tmp_path: Path, count: int):
     bag = read_bag(write_bag(tmp_path / 'bag', [(0.1 * k, '/s', state(k, count=count)) for k in range(5)]))
     values = joint_rows(bag, '/s', ROBOT).values
     assert [rows is not None for rows in values] == [number < count for number in range(3)]
@@ -67,7 +67,7 @@ def test_a_topic_without_messages_has_no_rows(tmp_path: Path):
     assert joint_rows(bag, '/r', ROBOT).sent.size == 0
 
 
-def test_a_joint_that_is_missing_is_told(tmp_path: Path):
+def test_a_joint_that_is_missing_is_reported(tmp_path: Path):
     bag = read_bag(write_bag(tmp_path / 'bag', [(0.0, '/cell/s', state(0, NAMES[1:]))]))
     with pytest.raises(RobotsError, match='s of the bag lacks joint A1 of kuka_kr210_r2700: it has A2, A3'):
         joint_rows(bag, '/cell/s', ROBOT)

@@ -136,7 +136,7 @@ def test_a_cell_without_kinematics_has_no_reference_pose_of_a_joint_motion(tmp_p
     assert host.program.reference_cartesian_position is None
 
 
-def test_outputs_change_and_are_told_once(tmp_path: Path):
+def test_outputs_change_and_are_reported_once(tmp_path: Path):
     host = LuaHost(tmp_path)
     assert (
         host.run(
@@ -302,7 +302,7 @@ def test_wrong_arguments_are_explained(tmp_path: Path, call: str, message: str):
     LuaHost(tmp_path).refuses(call, message)
 
 
-def test_motion_error_is_told_in_degrees_with_its_line(tmp_path: Path):
+def test_motion_error_is_reported_in_degrees_with_its_line(tmp_path: Path):
     host = LuaHost(tmp_path)
     host.errors[0] = JointLimitError('A2', *np.radians([10.0, -140.0, -5.0]).tolist())
     error = host.fails('\nptpJointSpaceAngles(0, 10, 0, 0, 0, 0)')

@@ -73,7 +73,7 @@ def test_error_raised_by_the_host_fails_the_motion(tmp_path: Path):
     assert str(program.error) == 'p.lua:1: ptpJointSpaceAngles: not now'
 
 
-def test_exception_of_a_callback_ends_the_program_and_is_told(tmp_path: Path):
+def test_exception_of_a_callback_ends_the_program_and_is_reported(tmp_path: Path):
     ended: list[ProgramError | None] = []
 
     def broken(*_: object) -> None:
@@ -225,7 +225,7 @@ def test_inputs_and_outputs_from_many_threads_while_it_runs(tmp_path: Path):
     assert host.finished == [None]
 
 
-def test_lines_are_told_at_every_change(tmp_path: Path):
+def test_lines_are_reported_at_every_change(tmp_path: Path):
     host = LuaHost(tmp_path)
     assert host.run('wait(0) wait(0)\n\nwait(0)\nfor i = 1, 2 do\n wait(0)\nend') is None
     assert host.lines == [1, 3, 5]

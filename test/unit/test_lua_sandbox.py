@@ -230,7 +230,7 @@ def test_failure_names_line_and_reason(tmp_path: Path, text: str, message: str, 
     assert 'Traceback' not in str(error)
 
 
-def test_failure_tells_how_the_program_got_there(tmp_path: Path):
+def test_failure_shows_how_the_program_got_there(tmp_path: Path):
     error = LuaHost(tmp_path).fails(
         'local function seam()\n wait(-1)\nend\nlocal function door()\n seam()\nend\ndoor()'
     )

@@ -194,7 +194,9 @@ def test_an_address_that_does_not_exist_leaves_its_neighbours_alone(partner: Mod
     assert bench.told.count(f'modbus press: {problem}') == 1
 
 
-def test_an_output_that_is_refused_is_told_and_tried_until_it_is_taken(partner: ModbusPartner, start: Start):
+def test_an_output_that_is_refused_is_reported_and_tried_until_it_is_taken(
+    partner: ModbusPartner, start: Start
+):
     partner.start()
     partner.refuse = {1}
     rows = [f'  - {{channel: digital_output.{n + 1}, modbus: {{coil: {n}}}}}\n' for n in range(3)]
@@ -267,7 +269,7 @@ def test_a_value_comes_back_from_its_registers(kind: str, value: float, words: l
         ),
     ],
 )
-def test_mistakes_are_told_with_their_line(row: str, message: str):
+def test_mistakes_are_reported_with_their_line(row: str, message: str):
     text = f'inputs:\n  - {{channel: digital_input.1, modbus: {row}}}\n'
     refused(MAP.format(port=502, timeout=1) + text, message, 5)
 

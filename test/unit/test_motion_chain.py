@@ -282,6 +282,6 @@ def test_a_chain_that_is_faster_with_stops_stops() -> None:
     assert np.abs(q_dot).max() < 1e-6
 
 
-def test_a_motion_that_goes_nowhere_is_told(chain: MotionChain, start: np.ndarray) -> None:
+def test_a_motion_that_goes_nowhere_is_reported(chain: MotionChain, start: np.ndarray) -> None:
     with pytest.raises(PlanningError, match='goes nowhere'):
         planned(chain, (order(0, JOINT, start, joint_blend_zone=0.1), order(1, JOINT, start + 0.1)), start)

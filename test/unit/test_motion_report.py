@@ -69,7 +69,7 @@ def test_every_motion_is_as_the_program_meant_it(report: RunReport) -> None:
     assert 'every target reached, every limit kept' in shown(report)
 
 
-def test_a_blended_motion_tells_its_zone_and_how_near_it_passed(report: RunReport) -> None:
+def test_a_blended_motion_reports_its_zone_and_how_near_it_passed(report: RunReport) -> None:
     passings = {one.motion.line: one.passing for one in report.motions if one.passing is not None}
     assert {line: (p.zone, p.joints) for line, p in passings.items()} == {
         5: (pytest.approx(0.03), False),
@@ -123,7 +123,7 @@ def test_a_robot_with_another_tool_has_missed(bag: Path, monkeypatch: pytest.Mon
     assert 'the target was passed outside its zone' in report.motions[1].problem
 
 
-def test_a_refused_motion_is_told_with_its_reason(tmp_path: Path) -> None:
+def test_a_refused_motion_is_reported_with_its_reason(tmp_path: Path) -> None:
     program = tmp_path / 'wrong.lua'
     program.write_text('ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\nptpCartesianSpace(9, 0, 1, 0, 0, 0)\n')
     assert simulate(program, robot=ROBOT, bag=tmp_path / 'bag').error is not None

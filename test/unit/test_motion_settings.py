@@ -39,7 +39,7 @@ def test_what_is_missing_has_its_default() -> None:
     assert settings_from_text({'cartesian_speed': '0.25'}) == MotionSettings(cartesian_speed=0.25)
 
 
-def test_every_setting_is_told() -> None:
+def test_every_setting_is_reported() -> None:
     assert {name: json.loads(text) for name, text in settings_as_text(MotionSettings()).items()} == {
         name: list(value) if isinstance(value, tuple) else value
         for name, value in asdict(MotionSettings()).items()

@@ -90,7 +90,7 @@ def test_values_of_messages_and_messages_of_values(partner: MqttPartner, start: 
     assert partner.heard[-1] == ('robot/torch', {'on': True, 'current': 12})
 
 
-def test_messages_that_are_not_understood_leave_the_inputs_and_are_told_once(
+def test_messages_that_are_not_understood_leave_the_inputs_and_are_reported_once(
     partner: MqttPartner, start: Start
 ):
     partner.start()
@@ -227,7 +227,7 @@ def test_messages_do_not_wait_for_acknowledgements_of_the_network(partner: MqttP
     assert client.socket().getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
-def test_a_broker_that_knows_its_users(start: Start):
+def test_a_broker_that_asks_for_a_user(start: Start):
     partner = MqttPartner(users=True)
     partner.start()
     stranger = start(partner, ROWS)
@@ -299,7 +299,7 @@ def test_a_pointer_finds_what_it_has_put(steps: list[str], value: int):
         ('{topic: a}, bit: 1', "a is 'boolean'; a bit needs a whole number"),
     ],
 )
-def test_mistakes_are_told_with_their_line(row: str, message: str):
+def test_mistakes_are_reported_with_their_line(row: str, message: str):
     text = f'inputs:\n  - {{channel: digital_input.1, mqtt: {row}}}\n'
     with pytest.raises(InvalidInputError) as info:
         parse_io_map(MAP.format(port=1883, more='') + text)

@@ -125,7 +125,7 @@ def test_variables_that_do_not_change_are_not_silent(partner: OpcuaPartner, star
         assert bench.inputs['digital_input.1'] == 0.0
 
 
-def test_what_the_server_refuses_is_told_and_tried_again(partner: OpcuaPartner, start: Start):
+def test_what_the_server_refuses_is_reported_and_tried_again(partner: OpcuaPartner, start: Start):
     partner.start()
     partner.protect('start', writable=False)
     bench = start(partner, ROWS.replace('s=force', 's=nothing').replace('s=count, type: int32', 's=count'))
@@ -152,7 +152,7 @@ def test_values_out_of_range_and_of_another_type(partner: OpcuaPartner, start: S
 
 
 @pytest.mark.parametrize('name', OF_OTHER_TYPES)
-def test_values_of_another_type_are_told_once(partner: OpcuaPartner, start: Start, name: str):
+def test_values_of_another_type_are_reported_once(partner: OpcuaPartner, start: Start, name: str):
     partner.start()
     bench = start(partner, ROWS.replace('s=word', f's={name}'))
     problem = 'digital_input.3 keeps its value'
@@ -178,7 +178,7 @@ def test_a_flood_of_changes_ends_with_the_newest(
     assert len(told) == (bench.bridge.problems.count > 0)
 
 
-def test_values_that_the_server_drops_are_counted_and_told_once(
+def test_values_that_the_server_drops_are_counted_and_reported_once(
     partner: OpcuaPartner, start: Start, monkeypatch: pytest.MonkeyPatch
 ):
     marks = OverflowMarks(monkeypatch)
@@ -336,7 +336,7 @@ def test_a_thousand_variables(partner: OpcuaPartner, start: Start):
         ('{node: i=1}, timeout: 0.01, fail_safe: 0', 'valid is more than the period, 0.02 s'),
     ],
 )
-def test_mistakes_are_told_with_their_line(row: str, message: str):
+def test_mistakes_are_reported_with_their_line(row: str, message: str):
     text = f'inputs:\n  - {{channel: digital_input.1, opcua: {row}}}\n'
     with pytest.raises(InvalidInputError) as info:
         parse_io_map(MAP.format(endpoint='opc.tcp://a', more='') + text)

@@ -88,7 +88,7 @@ def test_odd_targets_are_refused(way: str, values: list[float], error: str) -> N
 
 
 @pytest.mark.parametrize('way', ['joints', 'pose', 'line'])
-def test_a_preview_tells_where_and_how_long_and_no_tool_is_too_fast(way: str) -> None:
+def test_a_preview_shows_where_and_how_long_and_no_tool_is_too_fast(way: str) -> None:
     robot = load_robot_model('kuka_kr210_r2700')
     planning, q = PathPlanning(robot), np.array(robot.home) + np.radians([0, 0, 0, 20, 30, 0])
     goal = q + np.array([0.5, 0.1, -0.1, 0.2, -0.3, 0.2])

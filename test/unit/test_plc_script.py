@@ -79,7 +79,7 @@ rules:
         ),
     ],
 )
-def test_a_mistake_is_told_with_its_line(text: str, line: int, message: str):
+def test_a_mistake_is_reported_with_its_line(text: str, line: int, message: str):
     with pytest.raises(InvalidInputError) as info:
         parse_plc_script(text, 'plc.yaml')
     assert str(info.value).startswith(f'plc.yaml:{line}: {message}')

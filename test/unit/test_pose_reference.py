@@ -48,7 +48,7 @@ def test_a_given_twist_replaces_the_difference() -> None:
     assert max(pose.distance_to(moved(START, TWIST, 0.1))) < 1e-7
 
 
-def test_knows_when_it_is_stale() -> None:
+def test_reports_when_it_is_stale() -> None:
     reference = PoseReference(timeout=0.2)
     assert not reference.fresh_pose(0.0)
     reference.put(START, 1.0)

@@ -91,7 +91,7 @@ def test_programs_name_their_cell_and_fit_it(program: Path, capsys: pytest.Captu
     assert CHECK_PROGRAM.run([str(program)]) == 0, capsys.readouterr().out
 
 
-def test_the_wrong_robot_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_the_wrong_robot_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / 'program.lua'
     path.write_text('-- Robot: ur5e\nptpJointSpaceAngles(0, 0, 0, 0, 0, 0)\n')
     assert CHECK_PROGRAM.run([str(path)]) == 0

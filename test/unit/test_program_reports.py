@@ -57,7 +57,7 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize('name', ['palletizing', 'welding_collision', 'welding_around_pillar'])
-def test_a_report_tells_what_was_simulated(name: str, tmp_path: Path):
+def test_a_report_shows_what_was_simulated(name: str, tmp_path: Path):
     program = short_copy(tmp_path / 'programs', f'{name}.lua')
     header = read_program_header(program)
     known = simulate(program, robot=header.robot, drive='ideal', scene=header.scene, bag=tmp_path / 'bag')
@@ -88,7 +88,7 @@ def test_make_simulates_a_program_with_bag_and_report():
         assert text in command
 
 
-def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_bar_shows_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv('TERM', 'xterm')  # a dumb terminal shows no bars
     monkeypatch.setattr('robots_controller.simulation.command_line.DRAW_PERIOD', 0.01)
     program = tmp_path / 'long.lua'

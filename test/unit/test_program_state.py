@@ -258,7 +258,7 @@ def test_images_are_copies():
     assert not state.io.numbers('analog_outputs').any()
 
 
-def test_output_tells_whether_it_changed():
+def test_output_returns_whether_it_changed():
     state = running_state()
     assert state.set_output('digital', 4, 1)
     assert not state.set_output('digital', 4, 1)

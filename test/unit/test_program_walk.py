@@ -38,7 +38,7 @@ def test_nothing_is_wrong_with_a_good_program(tmp_path: Path):
     assert result.ok
 
 
-def test_every_bad_motion_is_told_with_its_line_not_only_the_first(tmp_path: Path):
+def test_every_bad_motion_is_reported_with_its_line_not_only_the_first(tmp_path: Path):
     program = (
         START
         + 'ptpCartesianSpace(5, 0, 1, 0, 90, 0)\n'
@@ -68,13 +68,13 @@ def test_a_walk_goes_on_where_others_would_guide_the_robot(tmp_path: Path, funct
     assert line.startswith('p.lua:3: ptpJointSpaceAngles: A1')
 
 
-def test_problems_of_subprograms_are_told_with_their_file(tmp_path: Path):
+def test_problems_of_subprograms_are_reported_with_their_file(tmp_path: Path):
     (tmp_path / 'sub.lua').write_text('\nptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\n')
     (line,) = told(walk(tmp_path, START + 'call("sub")\n' + START))
     assert line.startswith('sub.lua:2: ptpJointSpaceAngles: A1')
 
 
-def test_collisions_are_told_and_the_rest_is_walked(tmp_path: Path):
+def test_collisions_are_reported_and_the_rest_is_walked(tmp_path: Path):
     scene = tmp_path / 'scene.yaml'
     scene.write_text(
         'objects:\n  - name: post\n    box: {size: [0.1, 0.1, 4.0]}\n    pose: {position: [1.2, -0.7, 0.0]}\n'
@@ -90,7 +90,7 @@ def test_collisions_are_told_and_the_rest_is_walked(tmp_path: Path):
     assert lines[1].startswith('p.lua:4: ')
 
 
-def test_a_wait_without_end_is_told(tmp_path: Path):
+def test_a_wait_without_end_is_reported(tmp_path: Path):
     (line,) = told(walk(tmp_path, 'waitDigitalInput(7, true)\n'))
     assert line.startswith('p.lua:1: ')
     assert 'waits for ever' in line
@@ -104,7 +104,7 @@ def test_combinations_are_all_states_of_the_inputs_the_own_start_first():
     assert {item.script(script).rules for item in input_combinations(script)} == {script.rules}
 
 
-def test_what_goes_wrong_with_some_inputs_is_told_with_them(tmp_path: Path):
+def test_what_goes_wrong_with_some_inputs_is_reported_with_them(tmp_path: Path):
     program = (
         'setDigitalOutput(1, true)\nwaitDigitalInput(1, true)\n'  # the PLC answers
         'if getDigitalInput(2) then\n  ptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\nend\n'
@@ -123,7 +123,7 @@ def test_in_processes_as_in_this_one(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert walk(tmp_path, program, SCRIPT, workers=2) == walk(tmp_path, program, SCRIPT)
 
 
-def test_what_was_left_out_is_told(tmp_path: Path):
+def test_what_was_left_out_is_reported(tmp_path: Path):
     result = walk(tmp_path, 'wait(0.1)\n', SCRIPT, most=3)
     assert (result.walked, result.possible, result.ok) == (3, 8, False)
     with pytest.raises(InvalidInputError, match='most = 0'):

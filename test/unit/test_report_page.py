@@ -122,7 +122,7 @@ def test_the_robot_is_drawn(page: Page):
 
 @pytest.mark.parametrize('browser', BROWSERS)
 @pytest.mark.parametrize('script', ['throw new Error("it broke")', 'Promise.reject("it broke")'])
-def test_browsers_tell_what_goes_wrong(browser: str, script: str, tmp_path: Path):
+def test_browsers_report_what_goes_wrong(browser: str, script: str, tmp_path: Path):
     path = tmp_path / 'page.html'
     path.write_text(f'<canvas aria-label="empty"></canvas><script>{script}</script>', encoding='utf-8')
     opened = open_page(browser, path, tmp_path / 'browser')

@@ -204,7 +204,7 @@ def swing(drive: RigidBodyDrive, target: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize('name', available_robot_models())
-def test_controllers_that_know_the_model_settle_on_the_target(name: str):
+def test_controllers_with_the_model_settle_on_the_target(name: str):
     robot = load_robot_model(name)
     load = Payload(2.0, np.array([0.0, 0.0, 0.1]))
     drive = RigidBodyDrive(robot, robot.home, period=0.004, payload=load, feed_forward=True)

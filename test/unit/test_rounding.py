@@ -13,7 +13,7 @@ from robots_core.wording.rounding import apart
     ('value', 'bound', 'text'),
     [(30.04, 30.0, '30.04'), (29.996, 30.0, '29.996'), (12.34, 30.0, '12.3'), (0.10004, 0.1, '0.10004')],
 )
-def test_a_value_is_told_with_as_many_digits_as_its_side_of_the_bound_needs(
+def test_a_value_has_as_many_digits_as_its_side_of_the_bound_needs(
     value: float, bound: float, text: str
 ) -> None:
     assert apart(value, bound, 1) == text

@@ -79,7 +79,7 @@ def test_an_axis_at_its_limit_decides_a_joint_motion(report: RunReport):
     assert use.ratio == pytest.approx(1.0, rel=2e-2)
 
 
-def test_path_accuracy_tells_what_the_drives_lag_across_the_path(report: RunReport):
+def test_path_accuracy_reports_what_the_drives_lag_across_the_path(report: RunReport):
     line = report.motions[1]
     assert line.length == pytest.approx(0.5, rel=1e-3)
     assert 0.0 < line.path_deviation <= line.lag
@@ -87,7 +87,7 @@ def test_path_accuracy_tells_what_the_drives_lag_across_the_path(report: RunRepo
     assert line.lag < 1e-4 * 10.0 * LINE_SPEED
 
 
-def test_channels_that_were_used_are_told(report: RunReport):
+def test_channels_that_were_used_are_reported(report: RunReport):
     channels = {channel.name: channel for channel in report.run.io}
     assert set(channels) == {'digital_output.1', 'digital_input.2'}
     assert channels['digital_input.2'].value.tolist() == [0.0, 1.0]
@@ -100,7 +100,7 @@ def test_energy_is_at_least_what_the_lift_needs():
     assert energy(time, power) == pytest.approx([6.0, 0.0, 2.0 / np.pi], abs=1e-5)
 
 
-def test_distances_are_told_with_a_scene(tmp_path: Path, report: RunReport):
+def test_distances_are_reported_with_a_scene(tmp_path: Path, report: RunReport):
     scene = tmp_path / 'scene.yaml'
     r = report.signals.tool[-1]
     scene.write_text(
@@ -154,7 +154,7 @@ def test_lines_that_changed_alike_are_not_ranked(tmp_path: Path, report: RunRepo
     assert words in replace(comparison, changes=alike).describe()
 
 
-def test_refused_motions_are_told(tmp_path: Path, report: RunReport):
+def test_refused_motions_are_reported(tmp_path: Path, report: RunReport):
     run = RecordedProgram(report.run.robot)
     run.rest(0.1)
     run.line(1, 'ptpJointSpaceAngles(200, 0, 0, 0, 0, 0)')

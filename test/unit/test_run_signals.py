@@ -68,7 +68,7 @@ def test_values_are_compared_with_their_limits(robot: BaseRobotModel) -> None:
     assert use['position'] == pytest.approx(np.abs(values[0] - middle) / half)
 
 
-def test_a_step_that_no_value_tells_of_is_seen(robot: BaseRobotModel) -> None:
+def test_a_step_that_no_value_reports_is_found(robot: BaseRobotModel) -> None:
     values = accelerated(robot, 0, 0.0)
     values[0][20:, 0] += 0.03
     use = use_of(robot, values)

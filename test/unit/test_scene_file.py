@@ -92,7 +92,7 @@ def test_every_kind_of_object_is_read(tmp_path: Path):
         ('[torch, ball]', '[torch, ball', 22, 'expected'),
     ],
 )
-def test_a_mistake_is_told_with_its_line(tmp_path: Path, good: str, bad: str, line: int, reason: str):
+def test_a_mistake_is_reported_with_its_line(tmp_path: Path, good: str, bad: str, line: int, reason: str):
     assert good in GOOD
     path = write(tmp_path, GOOD.replace(good, bad, 1))
     with pytest.raises(InvalidInputError) as info:
@@ -102,7 +102,7 @@ def test_a_mistake_is_told_with_its_line(tmp_path: Path, good: str, bad: str, li
     assert info.value.details['line'] == line
 
 
-def test_a_missing_or_empty_file_is_told(tmp_path: Path):
+def test_a_missing_or_empty_file_is_reported(tmp_path: Path):
     with pytest.raises(InvalidInputError, match='there is no scene'):
         read_scene(tmp_path / 'missing.yaml')
     with pytest.raises(InvalidInputError, match='must be a mapping'):

@@ -46,7 +46,7 @@ def test_when_an_output_rises_an_input_follows_after_its_time():
     assert machine.next_time == math.inf
 
 
-def test_what_is_due_is_told_with_its_rule():
+def test_what_is_due_is_reported_with_its_rule():
     machine = plc("""
   - {when: every 5 s, after: 0.5, set: {digital_input.4: 1}}
   - {when: digital_output.1 rises, after: 0.8, set: {digital_input.3: 1}, for: 1.0}

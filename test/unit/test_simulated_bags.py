@@ -33,7 +33,7 @@ def welding() -> SimulationRun:
     return simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='ideal')
 
 
-def test_a_bag_tells_the_same_as_the_run(tmp_path: Path, welding: SimulationRun):
+def test_a_bag_contains_the_same_as_the_run(tmp_path: Path, welding: SimulationRun):
     run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='ideal', bag=tmp_path / 'bag')
     bag = read_bag(tmp_path / 'bag')
     assert not bag.problem
@@ -55,7 +55,7 @@ def test_a_bag_tells_the_same_as_the_run(tmp_path: Path, welding: SimulationRun)
     assert run.events == welding.events
 
 
-def test_a_bag_tells_how_close_the_robot_came(tmp_path: Path):
+def test_a_bag_contains_how_close_the_robot_came(tmp_path: Path):
     scene = PROGRAMS / 'scenes' / 'car_frame.yaml'
     simulate(
         PROGRAMS / 'welding_around_pillar.lua', robot=ROBOT, drive='ideal', scene=scene, bag=tmp_path / 'bag'
@@ -114,7 +114,7 @@ def test_a_bag_needs_a_folder_of_its_own(tmp_path: Path):
 
 
 @pytest.mark.parametrize('text', ['wait(60)', 'for n = 1, 9e9 do print(n) end'])
-def test_a_full_disk_is_told_without_a_traceback_and_the_bag_ends_whole(tmp_path: Path, text: str):
+def test_a_full_disk_is_reported_without_a_traceback_and_the_bag_ends_whole(tmp_path: Path, text: str):
     bag = tmp_path / 'bag'
     with (
         no_file_larger_than(1_500_000),

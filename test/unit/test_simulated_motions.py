@@ -33,7 +33,7 @@ def test_drives_stand_at_the_targets_and_references_keep_the_plan(welding: Simul
         assert 0.0 <= late <= 0.02 + 4 * PERIOD
 
 
-def test_rigid_body_drives_know_their_torques():
+def test_rigid_body_drives_report_their_torques():
     run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='rigid_body')
     assert run.ok
     assert run.torque is not None

@@ -60,7 +60,7 @@ def test_any_point_of_an_axis_will_do():
         assert moved[0]['forearm'] == pytest.approx(np.hypot(1.22, 0.115), abs=1e-12)
 
 
-def test_what_printed_angles_leave_is_taken_and_told():
+def test_what_printed_angles_leave_is_taken_and_reported():
     _, deviation = spherical_wrist(changed(6, shift=4e-6 * Y))
     assert 1e-6 < deviation < STRUCTURE_TOLERANCE
 

@@ -156,7 +156,7 @@ def test_tables_hold_the_rows(study: Study, one_by_one: list[str], tmp_path: Pat
         ('programs: [move.lua\n', r'study\.yaml:2: not YAML'),
     ],
 )
-def test_mistakes_are_told_with_their_line(text: str, message: str, folder: Path):
+def test_mistakes_are_reported_with_their_line(text: str, message: str, folder: Path):
     path = folder / 'wrong' / 'study.yaml'
     path.parent.mkdir(exist_ok=True)
     (path.parent / 'move.lua').write_text(PROGRAM)
@@ -165,13 +165,13 @@ def test_mistakes_are_told_with_their_line(text: str, message: str, folder: Path
         read_study(path)
 
 
-def test_rows_that_are_none_are_told(tmp_path: Path):
+def test_rows_that_are_none_are_reported(tmp_path: Path):
     (tmp_path / ROWS).write_text('{"key": "a", "row": {}}\nnothing\n')
     with pytest.raises(InvalidInputError, match=rf'{ROWS}:2: no result'):
         StudyResults(tmp_path)
 
 
-def test_no_scheduler_is_told(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_no_scheduler_is_reported(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr('robots_controller.study.case_runners.CONNECT_TIMEOUT', 0.2)
     with pytest.raises(RobotsError, match=r'no Dask scheduler answers at .tcp://127\.0\.0\.1:9'):
         run_study(study, tmp_path, scheduler='tcp://127.0.0.1:9')

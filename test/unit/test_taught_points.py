@@ -47,7 +47,7 @@ def test_no_file_is_no_points(tmp_path: Path) -> None:
     assert read_points(tmp_path / 'none.points.yaml', AXES) == {}
 
 
-def test_a_file_tells_people_its_units(tmp_path: Path) -> None:
+def test_a_file_states_its_units(tmp_path: Path) -> None:
     path = tmp_path / 'part.points.yaml'
     write_points(path, {'home': TaughtPoint(np.zeros(AXES), Pose.identity())})
     lines = path.read_text().splitlines()
@@ -80,7 +80,7 @@ def test_a_wrong_file_is_named_with_what_is_wrong(tmp_path: Path, text: str, mes
     assert message in str(caught.value)
 
 
-def test_bytes_that_are_no_text_are_told(tmp_path: Path) -> None:
+def test_bytes_that_are_no_text_are_reported(tmp_path: Path) -> None:
     path = tmp_path / 'wrong.points.yaml'
     path.write_bytes(b'\xff\xfe\x00points')
     with pytest.raises(ProgramError, match='cannot be read'):

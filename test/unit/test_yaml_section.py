@@ -59,7 +59,9 @@ def test_values_are_read_with_their_types():
         (lambda s: s.finish(['nam']), 2, "unknown key 'name'; did you mean 'nam'?"),
     ],
 )
-def test_a_wrong_value_is_told_with_its_line(read: Callable[[YamlSection], object], line: int, message: str):
+def test_a_wrong_value_is_reported_with_its_line(
+    read: Callable[[YamlSection], object], line: int, message: str
+):
     with pytest.raises(InvalidInputError) as info:
         read(parse_yaml(TEXT, 'x.yaml'))
     assert str(info.value).startswith(f'x.yaml:{line}: {message}')
@@ -77,12 +79,12 @@ def test_a_wrong_value_is_told_with_its_line(read: Callable[[YamlSection], objec
         ('a: "\\x07"\nb: \x07\n', 1, 'not YAML'),
     ],
 )
-def test_what_is_not_a_mapping_is_told(text: str, line: int, message: str):
+def test_what_is_not_a_mapping_is_reported(text: str, line: int, message: str):
     with pytest.raises(InvalidInputError, match=rf'^x\.yaml:{line}: {message}'):
         parse_yaml(text, 'x.yaml')
 
 
-def test_a_file_that_cannot_be_read_is_told(tmp_path: Path):
+def test_a_file_that_cannot_be_read_is_reported(tmp_path: Path):
     with pytest.raises(InvalidInputError, match=r'there is no file .*no\.yaml'):
         read_yaml(tmp_path / 'no.yaml')
     (tmp_path / 'b.yaml').write_bytes(b'\xff\xfe\x00')
