@@ -162,6 +162,14 @@ def rotation_vectors(T: Array) -> Array:
     return factor[:, None] * quaternions[:, :3]
 
 
+def rotation_vector_jacobians(vectors: Array) -> Array:
+    """J (m, 3, 3) of rotation vectors p (m, 3): exp([p]) turns by J p', base frame, while p changes by p'.
+
+    The left Jacobian of the rotation group (Chirikjian 2012, 10.86).
+    """
+    return np.array([pin.Jexp3(vector).T for vector in vectors])
+
+
 def rotation_from_vector(vector: Array) -> Array:
     """Orientation matrix (3, 3) of a rotation vector (axis times angle, rad), (3,)."""
     T: Array = pin.exp3(vector)

@@ -123,13 +123,20 @@ def test_a_robot_with_its_kinematics_and_dynamics_needs_no_meshes_no_scipy_and_n
     assert printed(program) == []
 
 
-def test_a_line_of_the_tool_is_planned_without_scipy():
+@pytest.mark.parametrize(
+    'planned',
+    [
+        'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T))',
+        'SplineCartesian(robot).generate(start, [Pose(r + (0.02, 0.0, 0.0), T), Pose(r + 0.02, T)])',
+    ],
+    ids=['line', 'spline'],
+)
+def test_motions_of_the_tool_are_planned_without_scipy(planned: str):
     program = (
         'import sys; from robots_core import Pose, load_robot_model;'
-        'from robots_planning import LinearCartesianLimited;'
+        'from robots_planning import LinearCartesianLimited, SplineCartesian;'
         'robot = load_robot_model("kuka_kr210_r2700"); start = robot.home + 0.1;'
-        'r, T = robot.direct_kinematics(start);'
-        'LinearCartesianLimited(robot).generate(start, Pose(r + 0.02, T));'
+        f'r, T = robot.direct_kinematics(start); {planned};'
         f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
     assert printed(program) == []

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
 
 from robots_core.errors import InvalidInputError
+from robots_core.orientation import rotation_vectors
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.paths.cartesian_path import (
@@ -17,6 +16,7 @@ from robots_planning.paths.cartesian_path import (
     no_pieces,
     position_text,
 )
+from robots_planning.paths.spline_pieces import position_pieces, turning_pieces
 
 # A rotation counts as its arc at this radius, m, when chords are measured.
 TURNING_RADIUS = 0.3
@@ -26,15 +26,16 @@ class PoseSpline(CartesianPath):
     """A C2 curve that passes every pose, position and orientation, exactly.
 
     Position is the cubic spline over the chord lengths between the poses (de Boor 2001), so that s is about
-    proportional to the arc length. Orientation is the cubic spline of rotation vectors from pose to pose with
-    continuous angular velocity and acceleration (McClain and Tapley 1974, as in SciPy's `RotationSpline`).
+    proportional to the arc length. Orientation is given by cubic rotation vectors from pose to pose, with
+    continuous angular velocity and acceleration (McClain and Tapley 1974).
 
     Args:
         poses: At least two; the first is at s = 0, the last at s = 1. From each to the next the tool turns by
             less than half a turn.
 
     Raises:
-        InvalidInputError: fewer than two poses, or two in succession that coincide; names them.
+        InvalidInputError: fewer than two poses, two in succession that coincide, or turns that do not become
+            smooth, see `turning_pieces`; names the poses.
     """
 
     kind = 'spline'
@@ -47,20 +48,12 @@ class PoseSpline(CartesianPath):
         steps = chords(poses)
         self.parameters = read_only(np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum())
         """s at each pose."""
-        count = len(poses) - 1
-        breaks, position, arc, rate, turn, orientation = no_pieces(count)
+        breaks, position, arc, rate, turn, orientation = no_pieces(len(poses) - 1)
         breaks[:] = self.parameters
         breaks[-1] = 1.0
-        curve = CubicSpline(breaks, r)
-        # SciPy's highest power comes first.
-        position[:, :4] = np.moveaxis(curve.c[::-1], 0, 1)
-        turning = RotationSpline(breaks, Rotation.from_matrix(T))
-        if count == 1:
-            turn[0, 1] = (Rotation.from_matrix(T[1] @ T[0].T)).as_rotvec()
-        else:
-            # SciPy's rotation vectors are in the frame of each pose, those of a path in the base frame.
-            body = np.moveaxis(turning.interpolator.c[::-1], 0, 1)
-            turn[:] = np.einsum('mij,mkj->mki', T[:-1], body)
+        h = np.diff(breaks)
+        position[:, :4] = position_pieces(h, r)
+        turn[:] = turning_pieces(h, rotation_vectors(T[1:] @ T[:-1].transpose(0, 2, 1)))
         orientation[:] = T[:-1]
         super().__init__((breaks, position, arc, rate, turn, orientation))
 
