@@ -143,6 +143,28 @@ def test_a_broken_points_file_is_reported_with_its_line(tmp_path: Path) -> None:
         desk.operator.jog_frames()
 
 
+def test_a_sign_that_arrives_after_the_release_begins_nothing() -> None:
+    desk = Desk(with_program(RunState.FINISHED, run_enabled=True))
+    assert desk.hold(4, key=RUN_KEY) is Action.RUN
+    desk.operator.release(ME)
+    calls = len(desk.cell.calls)
+    assert desk.hold(4, key=RUN_KEY) is None
+    assert desk.hold(3) is None
+    assert len(desk.cell.calls) == calls
+    assert desk.hold(5, key=RUN_KEY) is Action.RUN
+
+
+def test_a_late_sign_of_the_press_before_does_not_end_the_present_one() -> None:
+    desk = Desk()
+    desk.hold(1, key='axes 1 +')
+    desk.hold(2)
+    held = desk.cell.commanded()
+    desk.hold(1, key='axes 1 +')
+    np.testing.assert_array_equal(desk.cell.commanded(), held)
+    desk.hold(2)
+    np.testing.assert_array_equal(desk.cell.commanded(), held)
+
+
 def test_run_is_held_and_starts_the_program_once() -> None:
     desk = Desk(with_program(RunState.OPENED))
     assert desk.hold(key=RUN_KEY) is None
@@ -153,6 +175,15 @@ def test_run_is_held_and_starts_the_program_once() -> None:
     assert desk.hold(key=RUN_KEY) is None
     desk.operator.release(ME)
     assert desk.cell.last == ('hold_run', False)
+
+
+def test_a_program_that_ends_while_run_is_held_is_not_started_again() -> None:
+    paused = with_program(RunState.PAUSED)
+    desk = Desk(replace(paused, program=replace(paused.program, hold='release')))
+    assert desk.hold(key=RUN_KEY) is None
+    # It has resumed and ended between two signs of the press.
+    desk.operator.state = with_program(RunState.FINISHED, run_enabled=True)
+    assert desk.hold(key=RUN_KEY) is None
 
 
 @pytest.mark.parametrize(('hold', 'action'), [('pause', Action.RESUME), ('release', None)])

@@ -33,10 +33,19 @@ LARGEST_STEP: Final = 0.5  # rad, m
 
 @dataclass
 class _Held:
-    """The press of a viewer, whether it has commanded something, and whether it has started the program."""
+    """The press of a viewer.
+
+    Attributes:
+        viewer: Who presses.
+        press: What.
+        start: What RUN_KEY does to the program that was there when it was pressed; None: only lets it run.
+        sent: Something was commanded that ends with the press.
+        started: The program was started, resumed or stepped; that happens once.
+    """
 
     viewer: str
     press: Press
+    start: Action | None
     sent: bool = False
     started: bool = False
 
@@ -62,6 +71,7 @@ class HeldButton:
     ) -> None:
         self._robot, self._port, self._now, self._check = robot, port, now, check
         self._held: _Held | None = None
+        self._newest = ('', 0)  # viewer and number of the newest press
         self.failure: tuple[str, RobotsError] | None = None
         """Why the last motion ended before its target, and whose it was."""
         self.jog: JogCommand | None = None
@@ -86,9 +96,11 @@ class HeldButton:
     ) -> Action | None:
         """Take a sign that a viewer holds a button.
 
+        Signs that arrive after the release of their press, or after the begin of a newer one, do nothing.
+
         Args:
             viewer: Who.
-            number: Of the press, each with another one.
+            number: Of the press: each of a viewer has a higher one than that before.
             key: Of the button, see `JogCommand.from_key`, RUN_KEY, MOVE_KEY or STEP_KEY.
             state: The newest of the cell.
             speed: Part of the highest jog speed, 0..1.
@@ -105,11 +117,8 @@ class HeldButton:
         """
         now, held = self._now(), self._held
         if held is None or (held.viewer, held.press.number) != (viewer, number):
-            self._check(viewer, _action(key, step))
-            self.release()
-            held = self._held = _Held(viewer, Press(number, key, now))
-            self.failure = None
-        if held.press.over:
+            held = self._begin(viewer, Press(number, key, now), _action(key, step), state)
+        if held is None or held.press.over:
             return None
         if not held.press.hold(now):
             self._stop(held)
@@ -136,13 +145,23 @@ class HeldButton:
             return None
         held.sent = True
         self._port.hold_run(held=True)
-        return _start(held, state)
+        return held.start if _first_enabled(held, state) else None
 
     def release(self) -> None:
         """The button was released, or the connection to its viewer is lost."""
         held, self._held = self._held, None
         if held is not None and not held.press.over:
             self._stop(held)
+
+    def _begin(self, viewer: str, press: Press, action: Action, state: PendantState) -> _Held | None:
+        """Begin a press; None if this is a late sign of a press before."""
+        if viewer == self._newest[0] and press.number <= self._newest[1]:
+            return None
+        self._check(viewer, action)
+        self.release()
+        self._held, self._newest = _Held(viewer, press, _start(state)), (viewer, press.number)
+        self.failure = None
+        return self._held
 
     def _stop(self, held: _Held) -> None:
         """Stop at once what would stop by itself after its timeout."""
@@ -165,10 +184,7 @@ class HeldButton:
         if state.mode is not None and MODES[state.mode].held:
             held.sent = True
             self._port.hold_run(held=True)
-        if held.started or not state.run_enabled:
-            return None
-        held.started = True
-        return Action.STEP
+        return Action.STEP if _first_enabled(held, state) else None
 
     def _jog(self, held: _Held, command: JogCommand, state: PendantState) -> None:
         held.sent, self.jog = True, command
@@ -230,10 +246,16 @@ def _jog_of(key: str, action: Action, speed: float, num_axes: int, taught: Array
     return JogCommand.from_key(key, speed, num_axes, taught)
 
 
-def _start(held: _Held, state: PendantState) -> Action | None:
+def _first_enabled(held: _Held, state: PendantState) -> bool:
+    """Programs may run, for the first time during this press."""
     if held.started or not state.run_enabled:
-        return None
+        return False
     held.started = True
+    return True
+
+
+def _start(state: PendantState) -> Action | None:
+    """What lets the program run; None for one that runs, or waits for nothing but RUN_KEY."""
     if state.program.state in STARTABLE:
         return Action.RUN
     paused = state.program.state is RunState.PAUSED and state.program.hold != 'release'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.resources import files
@@ -123,7 +123,8 @@ class PendantPage:
 
     # -- what is held -------------------------------------------------------------------------------------
 
-    async def _hold(self, event: GenericEventArguments) -> None:
+    def _hold(self, event: GenericEventArguments) -> Awaitable[bool] | None:
+        """Take a sign at once, before the release is served; the action that it starts may take longer."""
         number, key = _press(event.args)
         program = self._panels.get('program') if key == RUN_KEY or key.startswith(STEP_KEY) else None
         line = program.line if isinstance(program, ProgramPanel) else self._jog.line
@@ -137,12 +138,13 @@ class PendantPage:
             )
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
-            return
+            return None
+        if action is None:
+            return None
         if action is Action.STEP:
             step = key.removeprefix(STEP_KEY)
-            await self._viewer.do(line, lambda: self._operator.step(self._viewer.id, step))
-        elif action is not None:
-            await self._viewer.do(line, lambda: self._operator.act(self._viewer.id, action))
+            return self._viewer.do(line, lambda: self._operator.step(self._viewer.id, step))
+        return self._viewer.do(line, lambda: self._operator.act(self._viewer.id, action))
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
