@@ -85,10 +85,14 @@ class OperatedCell(ProgramCell):
         """Hold the button of a step until the program makes it."""
         self.presses += 1
         number, key = self.presses, f'{STEP_KEY}{step}'
-        self.wait(lambda: self.operator.hold(ME, number, key) is Action.STEP, 'a step')
-        self.until_done(
-            lambda: self.operator.step(ME, step), again=lambda: self.operator.hold(ME, number, key)
-        )
+
+        def held() -> Action | None:
+            return self.operator.hold(ME, number, key)
+
+        if self.wait(held, 'a step') is Action.PAUSE:
+            self.operator.act(ME, Action.PAUSE)
+            self.wait(held, 'a step of the paused program')
+        self.until_done(lambda: self.operator.step(ME, step), again=held)
 
     def stop(self) -> None:
         """Stop program and robot, and permit motion again."""
@@ -206,8 +210,9 @@ def test_a_motion_to_a_target_ends_when_its_button_is_released(cell: OperatedCel
 
 def test_jogging_is_refused_where_the_mode_excludes_it(cell: OperatedCell) -> None:
     cell.set_mode(OperatingMode.AUTOMATIC)
+    cell.presses += 1
     with pytest.raises(NotPermittedError, match='mode_excludes_pendant'):
-        cell.operator.hold(ME, -1, 'axes 0 +')
+        cell.operator.hold(ME, cell.presses, 'axes 0 +')
 
 
 def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
@@ -245,6 +250,19 @@ def test_a_program_is_debugged(cell: OperatedCell) -> None:
     assert cell.operator.call_stack().frames[0].line == 3
     cell.operator.toggle_breakpoint(ME, 'debugged.lua', 2)
     cell.wait(lambda: not cell.state.breakpoints, 'no breakpoint')
+    cell.stop()
+
+
+def test_a_program_that_waits_for_run_makes_one_step(cell: OperatedCell) -> None:
+    path = cell.folder / 'stepped.lua'
+    path.write_text('while true do\nwait(0.01)\nend\n')
+    cell.operator.open_program(ME, str(path))
+    cell.wait(lambda: cell.state.program.path == str(path), 'the program')
+    cell.hold(RUN_KEY, lambda: cell.state.program.line == 2, 'its loop')
+    cell.operator.release(ME)
+    cell.wait(lambda: cell.state.program.waits_for_run, 'a held program')
+    cell.step_program('over')
+    cell.wait(lambda: cell.state.program.hold == 'step', 'a step')
     cell.stop()
 
 
@@ -292,8 +310,9 @@ def test_outputs_are_switched_and_inputs_forced(cell: OperatedCell) -> None:
 def test_a_fault_is_shown_and_reset(cell: OperatedCell) -> None:
     cell.call('controller_node/emergency_stop')
     cell.wait(lambda: cell.state.fault, 'the fault')
+    cell.presses += 1
     with pytest.raises(NotPermittedError, match='fault'):
-        cell.operator.hold(ME, -2, 'axes 0 +')
+        cell.operator.hold(ME, cell.presses, 'axes 0 +')
     cell.operator.act(ME, Action.RESET)
     cell.wait(lambda: not cell.state.fault, 'its end')
 

@@ -186,6 +186,19 @@ def test_a_program_that_ends_while_run_is_held_is_not_started_again() -> None:
     assert desk.hold(key=RUN_KEY) is None
 
 
+def test_a_program_that_waits_for_run_is_paused_before_its_step() -> None:
+    state = with_program(RunState.PAUSED)
+    desk = Desk(replace(state, program=replace(state.program, hold='release')))
+    signs = [desk.hold(key='step over') for _ in range(2)]
+    assert signs == [Action.PAUSE, None]
+    assert desk.cell.calls == []  # held run would let it continue
+    desk.operator.state = with_program(RunState.PAUSED)
+    assert desk.hold(key='step over') is None
+    assert desk.cell.last == ('hold_run', True)
+    desk.operator.state = with_program(RunState.PAUSED, run_enabled=True)
+    assert [desk.hold(key='step over') for _ in range(2)] == [Action.STEP, None]
+
+
 @pytest.mark.parametrize(('hold', 'action'), [('pause', Action.RESUME), ('release', None)])
 def test_holding_run_resumes_what_was_paused_by_a_button(hold: str, action: Action | None) -> None:
     state = with_program(RunState.PAUSED, run_enabled=True)

@@ -24,6 +24,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 OTHER = 'other'
 OUTPUT = Channel('digital', 'output', 3)
 INPUT = Channel('digital', 'input', 2)
+WAITING_FOR_RUN = ShownProgram('/p/a.lua', RunState.PAUSED, 'a.lua', hold='release')
 
 
 def with_program(state: RunState, **changes: Any) -> PendantState:
@@ -147,6 +148,7 @@ GUIDED = replace(AUTOMATIC, guide=Guide.PERSON, commander=Commander.PROGRAM)
         (Action.HOLD_RUN, with_program(RunState.OPENED, mode=OperatingMode.AUTOMATIC), 'no_hold_needed'),
         (Action.PAUSE, with_program(RunState.RUNNING), ''),
         (Action.PAUSE, with_program(RunState.PAUSED), 'not_running'),
+        (Action.PAUSE, replace(READY, program=WAITING_FOR_RUN), ''),
         (Action.RESUME, with_program(RunState.FINISHED), 'not_paused'),
         (Action.END, with_program(RunState.PAUSED), ''),
         (Action.REWIND, with_program(RunState.RUNNING), 'not_ended'),

@@ -157,10 +157,18 @@ class LuaProgram(ProgramState):
     def pause(self) -> bool:
         """Hold the program at its next statement, wait or motion, and the robot on its path.
 
+        A program that is held because nobody holds run does not continue any more when somebody does.
+
         Returns:
-            True if it was running.
+            True if it was running, or held for that reason.
         """
-        return self._hold('pause')
+        if self._hold('pause'):
+            return True
+        with self.condition:
+            waiting = self.hold_reason == 'release'
+            if waiting:
+                self.hold_reason = 'pause'
+        return waiting
 
     def resume(self) -> bool:
         """Let a held program continue.
@@ -181,10 +189,7 @@ class LuaProgram(ProgramState):
     def suspend(self) -> None:
         """Pause the program where a person had to hold run and need not any more: only `resume` ends that."""
         self._enabled = True
-        self._hold('pause')
-        with self.condition:
-            if self.hold_reason == 'release':
-                self.hold_reason = 'pause'
+        self.pause()
 
     def step(self, step: Step = 'over') -> bool:
         """Let a held program continue for one step, see `Debugger.step`.

@@ -51,6 +51,11 @@ class ShownProgram:
     points_file: str = ''
     frames_file: str = ''
 
+    @property
+    def waits_for_run(self) -> bool:
+        """It is held because nobody holds run, and continues when somebody does."""
+        return self.state is RunState.PAUSED and self.hold == 'release'
+
     def place(self, *, of_motion: bool) -> str:
         """Where it or the motion sent last is, such as 'welding.lua:12'; '' while it does not run."""
         if self.state is not RunState.RUNNING:

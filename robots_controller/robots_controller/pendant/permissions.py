@@ -115,6 +115,10 @@ def _not_running(state: PendantState) -> str:
     return 'running' if state.program.state is RunState.RUNNING else ''
 
 
+def _pausable(state: PendantState) -> str:
+    return '' if state.program.state is RunState.RUNNING or state.program.waits_for_run else 'not_running'
+
+
 _RUNNABLE: Final = (_missing, _stopped, _commander(Commander.PROGRAM))
 _UNDER_WAY: Final = _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_running')
 
@@ -135,7 +139,7 @@ RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
         _program(RunState.OPENED, RunState.RUNNING, RunState.PAUSED, otherwise='not_paused'),
     ),
     Action.BREAK: (_missing,),
-    Action.PAUSE: (_missing, _program(RunState.RUNNING, otherwise='not_running')),
+    Action.PAUSE: (_missing, _pausable),
     Action.RESUME: (*_RUNNABLE, _program(RunState.PAUSED, otherwise='not_paused'), _held),
     Action.END: (_missing, _UNDER_WAY),
     Action.REWIND: (_missing, _program(*STARTABLE, otherwise='not_ended')),

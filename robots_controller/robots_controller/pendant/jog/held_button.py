@@ -41,6 +41,7 @@ class _Held:
         start: What RUN_KEY does to the program that was there when it was pressed; None: only lets it run.
         sent: Something was commanded that ends with the press.
         started: The program was started, resumed or stepped; that happens once.
+        paused: The program was paused before its step.
     """
 
     viewer: str
@@ -48,6 +49,7 @@ class _Held:
     start: Action | None
     sent: bool = False
     started: bool = False
+    paused: bool = False
 
 
 class HeldButton:
@@ -181,6 +183,9 @@ class HeldButton:
             self._port.jog_tool(np.zeros(6), 'base')
 
     def _step(self, held: _Held, state: PendantState) -> Action | None:
+        if state.program.waits_for_run:  # it would run, and not step, as soon as run is held
+            first, held.paused = not held.paused, True
+            return Action.PAUSE if first else None
         if state.mode is not None and MODES[state.mode].held:
             held.sent = True
             self._port.hold_run(held=True)
@@ -258,5 +263,5 @@ def _start(state: PendantState) -> Action | None:
     """What lets the program run; None for one that runs, or waits for nothing but RUN_KEY."""
     if state.program.state in STARTABLE:
         return Action.RUN
-    paused = state.program.state is RunState.PAUSED and state.program.hold != 'release'
+    paused = state.program.state is RunState.PAUSED and not state.program.waits_for_run
     return Action.RESUME if paused else None
