@@ -66,10 +66,15 @@ def jog(page: Page, cell: Cell, axis: int) -> None:
 def choose(page: Page, operator: PendantOperator, name: str) -> None:
     """Choose a program of the folder."""
     show(page, 'Program')
-    while not operator.state.program.path.endswith(name):  # the list is read anew when it is opened
-        page.get_by_label('Robot program').click()
-        page.get_by_role('option', name=name, exact=True).click()
-        page.wait_for_timeout(1000.0)
+
+    def chosen() -> bool:
+        if not operator.state.program.path.endswith(name):  # the list is read anew when it is opened
+            page.get_by_label('Robot program').click()
+            page.get_by_role('option', name=name, exact=True).click()
+            page.wait_for_timeout(1000.0)
+        return operator.state.program.path.endswith(name)
+
+    wait(page, chosen, f'{name} is open')
     wait(page, lambda: operator.state.program.state is RunState.OPENED, 'a program that can run')
 
 
