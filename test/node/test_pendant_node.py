@@ -67,7 +67,10 @@ class OperatedCell(ProgramCell):
 
         self.wait(held, what)
         if actions:  # not in the condition, which holds up the nodes
-            self.until_done(lambda: self.operator.act(ME, actions[0]), again=held)
+            self.until_done(
+                lambda: self.operator.act(ME, actions[0]),
+                again=lambda: self.wait(lambda: held() or self.state.run_enabled, 'run is held'),
+            )
             self.wait(held, what)
 
     def step(self, key: str, size: float) -> None:
@@ -107,14 +110,20 @@ class OperatedCell(ProgramCell):
         """Do what nodes refuse for now: the robot moves, or the sign that a button is held is too old.
 
         Args:
-            do: Raises NotNowError while it is refused.
+            do: Raises NotNowError, or that run is not held, while it is refused.
             again: What to do after a refusal: another sign that the button is held.
         """
         while True:
-            with contextlib.suppress(NotNowError):
+            try:
                 do()
+            except NotNowError:
+                again()
+            except NotPermittedError as error:
+                if error.reason.key != 'hold_needed':
+                    raise
+                again()
+            else:
                 return
-            again()
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the mode as soon as the robot stands."""
