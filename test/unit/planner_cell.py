@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
 from robots_planning import MotionSettings, PathPlanning
+from robots_planning.commands.command_queue import WINDOW
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_kinds import JOINT, LINE
 from robots_planning.pathplanning import PlannedMotion
@@ -20,12 +22,20 @@ from robots_planning.trajectory import Trajectory
 ROBOT = load_robot_model('ur10e')
 START = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
 PLAIN = MotionSettings()
+MIDDLE = str(WINDOW // 2 - 1)
+"""The id of the command in the middle of a full window of `Cell.bead`."""
+
+
+@cache
+def planning() -> PathPlanning:
+    """One for all cells; it keeps planners, and no plans."""
+    return PathPlanning(ROBOT)
 
 
 class Cell:
     """The transport, the controller and the clock around a planner."""
 
-    def __init__(self, planning: PathPlanning) -> None:
+    def __init__(self) -> None:
         self.now = 10.0
         self.q: Array | None = START
         self.q_dot = np.zeros(6)
@@ -37,7 +47,7 @@ class Cell:
         self.patience: list[float] = []
         self.present = frozenset([b'first'])
         self.held_up = False
-        self.planner = MotionPlanner(planning, self)
+        self.planner = MotionPlanner(planning(), self)
 
     # -- port ---------------------------------------------------------------------------------------
 

@@ -11,26 +11,20 @@ import pytest
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
-from robots_planning import MotionSettings, PathPlanning
+from robots_planning import MotionSettings
 from robots_planning.commands.command_queue import WINDOW
 from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.motion_kinds import JOINT
 
-from .planner_cell import PLAIN, ROBOT, START, Cell
+from .planner_cell import MIDDLE, PLAIN, START, Cell
 
 CORNER = START + np.array([0.1, 0.3, 0.1, 0.1, 0.1, 0.1])
 REPLANS = MotionSettings(avoid=True, on_blocked='replan', most_replans=2)
-MIDDLE = str(WINDOW // 2 - 1)
-
-
-@pytest.fixture(scope='module')
-def planning() -> PathPlanning:
-    return PathPlanning(ROBOT)
 
 
 @pytest.fixture
-def cell(planning: PathPlanning) -> Cell:
-    return Cell(planning)
+def cell() -> Cell:
+    return Cell()
 
 
 def blocked(cell: Cell, id_: str, progress: float, q: Array) -> None:
@@ -145,7 +139,7 @@ def test_a_motion_that_the_controller_does_not_let_go_on_has_failed(cell: Cell) 
     assert not cell.answers  # the controller's result is the last one
 
 
-def test_a_motion_that_is_blocked_while_another_is_planned_comes_before_it(planning: PathPlanning) -> None:
+def test_a_motion_that_is_blocked_while_another_is_planned_comes_before_it() -> None:
     class Busy(Cell):
         """Its planner is at work when the obstacle comes."""
 
@@ -154,7 +148,7 @@ def test_a_motion_that_is_blocked_while_another_is_planned_comes_before_it(plann
 
     cell = Busy.__new__(Busy)
     cell.works = []
-    Cell.__init__(cell, planning)
+    Cell.__init__(cell)
     cell.move('1', 0.4, REPLANS)
     cell.works.pop(0)()
     cell.move('2', 0.0, REPLANS)

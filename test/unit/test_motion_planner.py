@@ -9,21 +9,16 @@ import pytest
 
 from robots_core import Pose
 from robots_core.errors import PlanningError
-from robots_planning import LinearJoint, PathPlanning
+from robots_planning import LinearJoint
 from robots_planning.commands.command_planner import REPLACE_LEAD
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE
 
 from .planner_cell import PLAIN, ROBOT, START, Cell, above
 
 
-@pytest.fixture(scope='module')
-def planning() -> PathPlanning:
-    return PathPlanning(ROBOT)
-
-
 @pytest.fixture
-def cell(planning: PathPlanning) -> Cell:
-    return Cell(planning)
+def cell() -> Cell:
+    return Cell()
 
 
 def test_a_motion_leads_from_where_the_robot_stands_to_its_target(cell: Cell) -> None:

@@ -8,26 +8,20 @@ import numpy as np
 import pytest
 
 from robots_core import Pose
-from robots_planning import MotionSettings, PathPlanning
+from robots_planning import MotionSettings
 from robots_planning.commands.command_planner import REPLACE_LEAD
 from robots_planning.commands.command_queue import WINDOW
 from robots_planning.commands.motion_planner import BLEND_PATIENCE
 from robots_planning.motion_kinds import JOINT, LINE
 
-from .planner_cell import PLAIN, ROBOT, START, Cell, above
+from .planner_cell import MIDDLE, PLAIN, START, Cell, above
 
 BLENDED = MotionSettings(blend_zone=0.02)
-MIDDLE = str(WINDOW // 2 - 1)
-
-
-@pytest.fixture(scope='module')
-def planning() -> PathPlanning:
-    return PathPlanning(ROBOT)
 
 
 @pytest.fixture
-def cell(planning: PathPlanning) -> Cell:
-    return Cell(planning)
+def cell() -> Cell:
+    return Cell()
 
 
 def test_blended_motions_become_one_when_none_follows(cell: Cell) -> None:
@@ -67,8 +61,8 @@ def test_of_a_chain_that_fails_what_was_passed_has_reached_its_target(
     assert [(result.id, result.ok) for result in cell.answers] == [('1', passed)]
 
 
-def test_a_chain_ends_where_the_payload_changes(planning: PathPlanning) -> None:
-    cell = Cell(planning)
+def test_a_chain_ends_where_the_payload_changes() -> None:
+    cell = Cell()
     for number, payload in enumerate(((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, 0.1))):
         settings = replace(BLENDED, payload=payload)
         cell.planner.command(str(number), JOINT, START + 0.1 * (number + 1), settings)
