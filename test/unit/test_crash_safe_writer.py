@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer, storage_mcap
 
-from robots_controller.recording import crash_safe_writer
+from robots_controller.recording import crash_safe_file, crash_safe_writer
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
@@ -147,7 +147,10 @@ def test_the_index_of_a_long_recording_does_not_stay_in_memory(
 ) -> None:
     monkeypatch.setattr(crash_safe_writer, 'MOST_CHUNKS', 50)
     recording = Recording(tmp_path / 'bag')
-    ours = [tracemalloc.Filter(True, module.__file__) for module in (crash_safe_writer, storage_mcap)]
+    ours = [
+        tracemalloc.Filter(True, module.__file__)
+        for module in (crash_safe_file, crash_safe_writer, storage_mcap)
+    ]
     kept, flushes, entry = [], 100, 100  # an entry of the index takes more bytes
     tracemalloc.start()
     for _ in range(3):
