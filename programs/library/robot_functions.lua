@@ -197,7 +197,7 @@ function setJerkLimited(value) end
 
 ---Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same. An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that from where the robot stands, at most `most` times (5).
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
----@param budget? number longest search for a way around (s)
+---@param budget? number longest search for a path around obstacles (s)
 ---@param on_blocked? "stop"|"replan" one of stop, replan
 ---@param most? integer how often one motion may be replanned
 function setAvoid(value, budget, on_blocked, most) end

@@ -44,7 +44,7 @@ class PlannedMotion:
         trajectory: The trajectory.
         kind: Kind of the command; None for a trajectory that was given.
         report: What verification found; `report.ok` is true.
-        via: Postures (k, n) that a way around obstacles leads along, rad (m); None of other motions, and of
+        via: Postures (k, n) that a path around obstacles leads along, rad (m); None of other motions, and of
             blended ones.
     """
 
@@ -268,7 +268,7 @@ class PathPlanning:
                 self._zones.check(path, since, min(section.until, path.end))
                 since = section.until
 
-    def in_the_way(self, trajectory: Trajectory, since: float) -> str:
+    def obstacle_ahead(self, trajectory: Trajectory, since: float) -> str:
         """What a trajectory comes too close to from a time on, s, for a person."""
         place = None
         if self.collision is not None:

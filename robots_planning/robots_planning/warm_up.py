@@ -56,11 +56,11 @@ def joint_motions() -> None:
 
 
 def joint_motions_around_obstacles() -> None:
-    """With a free way, and with one that has to be searched for."""
+    """With a free path, and with one that has to be searched for."""
     robot, start = robot_in_use(), _start()
     collision = CollisionDetection(robot)
     CollisionFreeJoint(robot, collision=collision).generate(start, robot.home)
-    FreePathSearch(robot, collision, margin=0.0, budget=0.01).way_around(start, robot.home[None])
+    FreePathSearch(robot, collision, margin=0.0, budget=0.01).path_around(start, robot.home[None])
 
 
 def lines_at_limited_speed() -> None:

@@ -41,7 +41,7 @@ from robots_core.blocks import CollisionDetection
 from robots_core.blocks.collision.along_paths.path_certificate import FREE
 from robots_core.errors import PlanningError
 from robots_planning import CollisionFreeJoint, Trajectory
-from robots_planning.free_paths.free_path_search import FreeWay
+from robots_planning.free_paths.free_path_search import FreePath
 from robots_planning.free_paths.rounding import rounded
 from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
@@ -153,10 +153,10 @@ def with_ompl(
     setup.simplifySolution()
     seconds = time.process_time() - begin
     postures = np.array([posture(state) for state in setup.getSolutionPath().getStates()])
-    return smoothed(robot, seconds, FreeWay(postures, certificate, margins))
+    return smoothed(robot, seconds, FreePath(postures, certificate, margins))
 
 
-def smoothed(robot: BaseRobotModel, seconds: float, way: FreeWay) -> Outcome:
+def smoothed(robot: BaseRobotModel, seconds: float, way: FreePath) -> Outcome:
     """A peer's way with corners rounded as ours are, and timed."""
     try:
         return Outcome(seconds, way.postures, timing(robot).trajectory(rounded(way)))
@@ -171,7 +171,7 @@ def with_roboplan(robot: BaseRobotModel, detection: CollisionDetection, problem:
     seconds = time.process_time() - begin
     if postures is None:
         return Outcome(seconds)
-    return smoothed(robot, seconds, FreeWay(postures, *detection.certificate(problem.start, margin=MARGIN)))
+    return smoothed(robot, seconds, FreePath(postures, *detection.certificate(problem.start, margin=MARGIN)))
 
 
 def step_of(robot: BaseRobotModel) -> float:

@@ -112,7 +112,7 @@ def fast_motion() -> tuple[RandomMotion, Trajectory]:
         tool_speed_limit=0.0,
         overrides=(),
         stop_at=np.inf,
-        hurry=False,
+        fast_stop=False,
     )
     return motion, faster
 

@@ -66,7 +66,7 @@ def test_a_blocked_motion_is_sent_again_under_its_id_and_ended_when_it_was_too_o
     np.testing.assert_allclose(around.position[[0, -1]], [stands, target], atol=1e-9)
     bench.publish('motion_result', motion_result_message(blocked, ROBOT))
     bench.wait(lambda: bench.results and not bench.results[-1].blocked, 'the last result')
-    assert 'again, after 1 ways around' in bench.results[-1].message
+    assert 'again, after 1 replanned path,' in bench.results[-1].message
     assert len(bench.trajectories) == 2
     assert not bench.node.planner.moving
 
@@ -104,7 +104,7 @@ class Obstacle(TimedNode):
 
 
 def run_into_the_post(ros_nodes: Any, program: Path, text: str) -> Obstacle:
-    """In lock-step: the stop is that of `collision_node`, the way around that of `planning_node`."""
+    """In lock-step: the stop is that of `collision_node`, the path around that of `planning_node`."""
     program.write_text(text)
     shared = {'robot_model': KUKA, 'lockstep': True}
     obstacle = ros_nodes.add(Obstacle(**ros_nodes.options(lockstep=True)))

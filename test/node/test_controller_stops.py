@@ -58,7 +58,7 @@ def test_a_motion_before_an_obstacle_that_does_not_go_around_it_needs_a_reset(
     bench.until_standing()
     if how == 'cancel':
         bench.ask('cancel')
-        reason = 'stopped before a collision, without a way around: canceled by ~/cancel'
+        reason = 'stopped before a collision, without a path around: canceled by ~/cancel'
     else:
         reason = 'stopped before a collision: link_6 comes to 1 mm from post'
         end = MotionResult(sent, ok=False, message=reason)

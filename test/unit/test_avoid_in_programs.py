@@ -158,7 +158,7 @@ def test_a_way_that_is_blocked_for_ever_is_refused_with_what_blocks_it_and_the_a
     assert run.error is not None
     reason = run.error.reason
     assert 'mm from wall after' in reason
-    assert re.search(r'; attempt [12] of 3 to go around it failed: (no free way found|the target)', reason)
+    assert re.search(r'; attempt [12] of 3 to go around it failed: (no free path found|the target)', reason)
     assert 'wall' in reason.rsplit('failed: ', maxsplit=1)[1]
 
 

@@ -49,7 +49,7 @@ def test_a_blocked_motion_is_planned_anew_from_where_the_robot_stands_so_often(c
     (result,) = cell.answers
     assert (result.id, result.ok, result.blocked) == ('1', False, False)
     assert result.message.startswith(
-        'stopped before a collision again, after 2 ways around, as many as most_replans allows: '
+        'stopped before a collision again, after 2 replanned paths, as many as most_replans allows: '
     )
     assert not cell.planner.moving
 

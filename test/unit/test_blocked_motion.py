@@ -107,7 +107,7 @@ STOPS: dict[str, tuple[Callable[[Rig], object], str]] = {
     ),
     'another motion': (other_motion, 'motion n would take its place'),
     'a stream': (stream, 'motion s would take its place'),
-    'no way around': (lambda rig: rig.controller.blocked.end('m', 'no free way'), 'no free way'),
+    'no path around': (lambda rig: rig.controller.blocked.end('m', 'no free path'), 'no free path'),
 }
 
 
@@ -128,7 +128,7 @@ def test_whatever_comes_before_the_way_around_the_robot_stays_until_a_reset(rig:
     assert not rig.controller.stops.latched
 
 
-@pytest.mark.parametrize('stop', ['a cancellation', 'another motion', 'no way around'])
+@pytest.mark.parametrize('stop', ['a cancellation', 'another motion', 'no path around'])
 def test_a_new_command_moves_the_robot_after_the_reset(rig: Rig, stop: str) -> None:
     rig.block()
     STOPS[stop][0](rig)

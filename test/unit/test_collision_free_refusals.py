@@ -150,7 +150,7 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
     search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=10.0)
     certificate, _ = divided_room().certificate(SIDES[0], margin=MARGIN)
     with pytest.raises(SearchCancelledError):
-        search.way(SIDES[0], SIDES[1:], cancelled)
+        search.path(SIDES[0], SIDES[1:], cancelled)
     deepest_edge = 4000  # postures of one edge that grazes something
     assert certificate.work[0] < SLICE + deepest_edge
 
@@ -164,7 +164,7 @@ def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyP
         asked: list[None] = []
         search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=0.2)
         with pytest.raises(NoFreePathError):
-            search.way(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
+            search.path(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
         return int(certificate.work[0]), len(asked)
 
     few, asked = looked_at(margins.size)

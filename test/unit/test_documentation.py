@@ -14,7 +14,7 @@ from textwrap import dedent
 import pytest
 import yaml
 
-from robots_controller.commands.error_catalogue import error_catalogue, what_happened
+from robots_controller.commands.error_catalogue import describe_error, error_catalogue
 from robots_controller.commands.robots import COMMANDS
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
@@ -110,7 +110,7 @@ def test_the_commands_and_exit_codes_are_those_of_the_code() -> None:
 def test_the_errors_are_those_of_the_code() -> None:
     rows = table(DOCS / 'reference' / 'errors.md', 'Errors')
     assert {row[0]: (names(row[1])[0], row[2], row[3]) for row in rows} == {
-        code: (kind.__name__, what_happened(kind), kind.remedy) for code, kind in error_catalogue().items()
+        code: (kind.__name__, describe_error(kind), kind.remedy) for code, kind in error_catalogue().items()
     }
 
 

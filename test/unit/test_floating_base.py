@@ -199,7 +199,7 @@ def test_an_impact_reaches_the_joints(rotors: list[float] | None):
     after = v + moved @ impulse
     payload, brought, start = body.seen_from(held), target.momentum, base.momentum
     held_up = base.impulse(payload, brought)
-    base.take(payload, brought, struck_inertia=rotors)
+    base.take(payload, brought, impact_inertia=rotors)
     np.testing.assert_allclose(base.twist, after[:6], atol=1e-12)
     np.testing.assert_allclose(base.joint_velocity, after[6:], atol=1e-12)
     np.testing.assert_allclose(base.momentum, start + brought, atol=1e-10)

@@ -76,7 +76,7 @@ def in_windows(chain: MotionChain, queued: list[QueuedCommand], start: np.ndarra
         if part is None:
             continue
         end = plans[-1].open_end if plans else None
-        plans.append(chain.plan(part, start) if end is None else chain.carry_on(end, part))
+        plans.append(chain.plan(part, start) if end is None else chain.continue_from(end, part))
     return plans
 
 

@@ -151,9 +151,9 @@ def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(over
             controller.follow(middle, 'b', run.now, join_time=-middle.duration)
             controller.follow(last, 'c', run.now, join_time=-last.duration)
         runs.append(run.until_holding())
-    plain, carried_on = runs
+    plain, continued_from = runs
     # The controller works in doubles on polynomials that are the same except for their time scale.
-    np.testing.assert_allclose(carried_on, plain, atol=1e-9)
+    np.testing.assert_allclose(continued_from, plain, atol=1e-9)
     assert [(outcome.id, outcome.ok, outcome.message) for outcome in controller.outcomes] == [
         ('a', True, 'passed'),
         ('b', True, 'passed'),

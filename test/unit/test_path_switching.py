@@ -124,10 +124,10 @@ def test_places_of_motions_that_are_carried_on_are_those_of_the_later_plan(bench
         # The same switches in each, all of them equal.
         bench.switching.sent(id_, command(LENGTH, 0.0, 0.5))
     first = {'1': half, '2': DURATION}
-    assert bench.switching.awaits('1')
+    assert bench.switching.waits_for('1')
     bench.switching.planned('1', first, lambda: line(0.0, LENGTH))
-    assert not bench.switching.awaits('1')
-    assert bench.switching.awaits('2')
+    assert not bench.switching.waits_for('1')
+    assert bench.switching.waits_for('2')
     bench.switching.progress(1.0, 0.3)
     assert bench.indices == [1, 2]
     bench.switching.planned('3', {'2': half, '3': DURATION}, lambda: line(0.5 * LENGTH, 1.5 * LENGTH))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_controller.pendant.jog.jog_command import JogCommand
-from robots_controller.pendant.jog.jog_outlook import HORIZON, JogOutlook
+from robots_controller.pendant.jog.jog_prediction import HORIZON, JogPrediction
 from robots_controller.pendant.jog.pendant_motion import (
     JogBasis,
     MotionPreview,
@@ -149,7 +149,7 @@ def _jog(robot: BaseRobotModel, box: TeachBox, jog: JogCommand, time: float) -> 
 )
 def test_what_stops_a_jog_is_announced_before_it_does(name: str, key: str, limit: str) -> None:
     robot = load_robot_model(name)
-    jog, outlook, period = JogCommand.from_key(key, 1.0, robot.num_axes), JogOutlook(robot), 0.02
+    jog, outlook, period = JogCommand.from_key(key, 1.0, robot.num_axes), JogPrediction(robot), 0.02
     box = TeachBox(robot, period, robot.home, speed_fraction=PLAIN.speeds.fraction)
     places = []
     for number in range(100_000):

@@ -115,12 +115,12 @@ def test_after_a_failure_no_plan_is_carried_on(cell: Cell) -> None:
 
 def test_commands_that_others_may_follow_wait_as_long_as_the_plan_can_be_carried_on(cell: Cell) -> None:
     cell.bead(*range(WINDOW + 1))
-    cell.planner.wait_no_longer()
+    cell.planner.end_wait()
     assert len(cell.sent) == 1
     left = cell.ends[0][MIDDLE] - REPLACE_LEAD - BLEND_PATIENCE
     assert cell.patience[-1] == pytest.approx(left, abs=1e-9)
     cell.now += left + 1e-6
-    cell.planner.wait_no_longer()
+    cell.planner.end_wait()
     assert cell.ids == [MIDDLE, str(WINDOW)]
     assert cell.sent[1][3] < 0.0
 
@@ -129,12 +129,12 @@ def test_commands_behind_a_stop_wait_for_others_until_the_robot_stands(cell: Cel
     cell.move('1', 0.2)
     cell.line('2', 0.1, BLENDED)
     cell.now += BLEND_PATIENCE
-    cell.planner.wait_no_longer()
+    cell.planner.end_wait()
     assert cell.ids == ['1']
     assert cell.patience[-1] == BLEND_PATIENCE
     cell.q = START + 0.2
     cell.end('1')
-    cell.planner.wait_no_longer()
+    cell.planner.end_wait()
     assert cell.ids == ['1', '2']
 
 

@@ -90,7 +90,7 @@ def test_a_reference_that_is_let_go_of_brakes_the_robot_at_once(
     for k in range(50):
         movement.put(moved(start, TWIST, k * DT), k * DT)
         fast = np.abs(movement.step(k * DT).q_dot).max()
-    movement.let_go()
+    movement.release()
     braked = movement.step(50 * DT)
     assert braked.state is MovementState.STALE
     assert np.abs(braked.q_dot).max() < fast

@@ -56,14 +56,14 @@ def test_a_waiting_program_goes_on_when_the_cell_lets_it(clock: SimulatedClock):
     assert clock.waiting
     assert clock.deadline == START_TIME + 1.0
     clock.nanoseconds = 1_000_000_000
-    clock.let_program_work()
+    clock.yield_to_program()
     assert clock.deadline == float('inf')
     clock.nanoseconds = 1_250_000_000
-    clock.let_program_work()
+    clock.yield_to_program()
     assert clock.deadline == START_TIME + 2.5
     assert seen == [1.0, 1.25]
     clock.nanoseconds = 2_500_000_000
-    clock.let_program_work()
+    clock.yield_to_program()
     assert program.ended
     assert not clock.waiting
 
@@ -75,7 +75,7 @@ def test_a_notification_alone_gives_no_turn(clock: SimulatedClock):
             program.condition.notify_all()
     assert clock.waiting
     assert not program.ended
-    clock.let_program_work()
+    clock.yield_to_program()
     assert program.ended
 
 
@@ -83,7 +83,7 @@ def test_a_wait_shorter_than_the_rounding_of_time_ends(clock: SimulatedClock):
     clock.nanoseconds = 20_000_000_000
     Program(clock, lambda condition: clock.wait(condition, START_TIME + 20.0 + 1e-18))
     assert clock.deadline > clock.now()
-    clock.let_program_work()
+    clock.yield_to_program()
 
 
 def test_a_program_that_only_calls_lets_a_period_pass(clock: SimulatedClock):
@@ -95,7 +95,7 @@ def test_a_program_that_only_calls_lets_a_period_pass(clock: SimulatedClock):
     assert clock.deadline == START_TIME + PERIOD
     assert not program.ended
     clock.nanoseconds = 4_000_000
-    clock.let_program_work()
+    clock.yield_to_program()
     assert program.ended
 
 
@@ -110,7 +110,7 @@ def test_calls_at_different_times_do_not_add_up(clock: SimulatedClock):
     for second in range(1, 4):
         assert clock.deadline == START_TIME + second
         clock.nanoseconds = second * 1_000_000_000
-        clock.let_program_work()
+        clock.yield_to_program()
 
 
 def test_after_the_end_nobody_waits(clock: SimulatedClock):

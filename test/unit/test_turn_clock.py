@@ -67,7 +67,7 @@ def test_time_passes_for_a_program_only_while_it_waits(turns: Turns) -> None:
             turns.note('cell')
             assert clock.deadline == pytest.approx(clock.now() + 0.5)
             turns.stamp = int(clock.deadline_stamp)
-            clock.let_program_work()
+            clock.yield_to_program()
     begin = 1_000_000_000
     assert turns.log == [(who, begin + k * 500_000_000) for k in range(3) for who in ('program', 'cell')]
 
@@ -76,7 +76,7 @@ def test_a_wait_without_end_is_one_for_a_change(turns: Turns) -> None:
     with turns.program(turns.wait):
         assert turns.clock.waiting
         assert turns.clock.deadline == turns.clock.deadline_stamp == math.inf
-        turns.clock.let_program_work()
+        turns.clock.yield_to_program()
         assert not turns.clock.waiting
 
 
@@ -96,7 +96,7 @@ def test_a_program_that_never_waits_lets_a_period_pass_now_and_then(turns: Turns
             assert turns.clock.deadline == pytest.approx(turns.clock.now() + PERIOD)
             turns.stamp = int(turns.clock.deadline_stamp)
             periods += 1
-            turns.clock.let_program_work()
+            turns.clock.yield_to_program()
     assert periods == 3
 
 

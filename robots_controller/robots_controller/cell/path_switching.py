@@ -95,7 +95,7 @@ class PathSwitching:
         with self._lock:
             return self._at_targets.pop(command, [])
 
-    def awaits(self, id_: str) -> bool:
+    def waits_for(self, id_: str) -> bool:
         """A motion was sent, and no plan has its id yet."""
         with self._lock:
             carried = any(id_ in plan.commands for plan in self._planned.values())

@@ -28,7 +28,7 @@ def error_catalogue() -> dict[str, type[RobotsError]]:
     return {kind.code: kind for kind in sorted(kinds, key=lambda kind: kind.code)}
 
 
-def what_happened(kind: type[RobotsError]) -> str:
+def describe_error(kind: type[RobotsError]) -> str:
     """What errors of a kind are about, in a sentence."""
     return ' '.join((kind.__doc__ or '').partition('\n\n')[0].split())
 
@@ -43,7 +43,7 @@ def explain(options: argparse.Namespace, console: Console) -> int:
     if code not in catalogue:
         raise OptionError(f'there is no error {options.code!r}{did_you_mean(code, catalogue)}')
     kind = catalogue[code]
-    console.print(f'{code} {kind.__name__}: {what_happened(kind)}\n{kind.remedy}', markup=False)
+    console.print(f'{code} {kind.__name__}: {describe_error(kind)}\n{kind.remedy}', markup=False)
     return ExitCode.OK
 
 

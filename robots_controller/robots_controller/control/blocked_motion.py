@@ -10,11 +10,11 @@ from robots_planning.commands.motion_results import BLOCKED
 
 
 class BlockedMotion:
-    """Permits the way around an obstacle, and nothing else, to move a robot that stands before one.
+    """Permits the path around an obstacle, and nothing else, to move a robot that stands before one.
 
-    A robot that stands before an obstacle moves again by itself. A stop that comes while the way around it is
-    being planned finds the robot standing: the trajectory that follows must not move it. Whatever comes
-    before the way around, or in its place, therefore latches `Fault.OBSTACLE`.
+    A robot that stands before an obstacle moves again by itself. A stop that comes while the path around it
+    is being planned finds the robot standing: the trajectory that follows must not move it. Whatever comes
+    before the path around, or in its place, therefore latches `Fault.OBSTACLE`.
 
     Args:
         authority: Who commands the robot, in which mode.
@@ -40,10 +40,10 @@ class BlockedMotion:
         self._id, self._reason, self._commanded = id_, '', self._now
 
     def check(self, id_: str) -> None:
-        """Check that a motion may begin: it is the way around, or no other one waits for its own.
+        """Check that a motion may begin: it is the path around, or no other one waits for its own.
 
         Raises:
-            TrajectoryRefusedError: it would move the robot in the place of the way around, or is that of a
+            TrajectoryRefusedError: it would move the robot in the place of the path around, or is that of a
                 motion that was given up.
         """
         reason = self._reason if id_ == self._id else ''
@@ -63,12 +63,12 @@ class BlockedMotion:
             self._id = ''
 
     def end(self, id_: str, reason: str) -> None:
-        """A motion has ended without reaching its target; if it waits, it has no way around."""
+        """A motion has ended without reaching its target; if it waits, it has no path around."""
         if self.waiting and id_ == self._id:
             self.stay(reason)
 
     def stay(self, reason: str) -> None:
         """The motion does not continue: the robot stays before the obstacle until it is reset."""
         self._reason = self._reason or reason
-        text = reason if reason.startswith(BLOCKED) else f'{BLOCKED}, without a way around: {reason}'
+        text = reason if reason.startswith(BLOCKED) else f'{BLOCKED}, without a path around: {reason}'
         self._stops.trip(Fault.OBSTACLE, text)

@@ -234,7 +234,7 @@ class Controller:
         if not self.stops.trip(fault, reason, stands=stands):
             return
         self.cancel(reason)
-        self._following.hurry(on=fault.category < StopCategory.TWO)
+        self._following.set_fast_stop(on=fault.category < StopCategory.TWO)
         if fault.category is StopCategory.ZERO:
             self._let_go(now, reason)
 
@@ -261,7 +261,7 @@ class Controller:
         """
         self.check_reset()
         self.stops.reset()
-        self._following.hurry(on=False)
+        self._following.set_fast_stop(on=False)
 
     def step(self, now: float, feedback: Array | None) -> Array | None:
         """One period: returns the next reference.

@@ -172,7 +172,7 @@ class Debugger:
             return bool(self._breakpoints) or self._step in ('in', 'over', 'out')
 
     @property
-    def wants_depth(self) -> bool:
+    def needs_depth(self) -> bool:
         """So is the depth of the stack."""
         with self._lock:
             return self._step in ('over', 'out')

@@ -115,7 +115,7 @@ class ProgramRun:
         attention = Attention.ATTEND if self._state.needs_attention() else Attention.NONE
         if self._debugger.tracing:
             attention |= Attention.TRACE
-            if self._debugger.wants_depth:
+            if self._debugger.needs_depth:
                 attention |= Attention.DEPTH
         return attention
 

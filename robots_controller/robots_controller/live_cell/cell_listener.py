@@ -49,7 +49,7 @@ class CellOperator(TimedNode):
         return future
 
 
-class Spinning:
+class SpunNodes:
     """Nodes spun by a thread of their own.
 
     Args:
@@ -103,7 +103,7 @@ class CellListener:
     problem: str = ''
     _coordinator: Coordinator | None = None
     _operator: CellOperator | None = None
-    _spinning: Spinning | None = None
+    _spinning: SpunNodes | None = None
 
     def coordinate(self, nodes: Iterable[str]) -> None:
         """Begin a lock-step run of nodes as soon as all have joined, and hold it at its first instant."""
@@ -116,7 +116,7 @@ class CellListener:
         self._coordinator = Coordinator(
             node, expected, on_error=self._fail, on_held=self._hold, held=True, recorder=self.recorder
         )
-        self._spinning = Spinning((node, self._operator), 'lock-step')
+        self._spinning = SpunNodes((node, self._operator), 'lock-step')
 
     def call(self, service: str) -> Future:
         """Call one of `SERVICES` below the namespace; the future holds its response."""
@@ -171,7 +171,7 @@ def listen(namespace: str, bag: Path | None, *, lockstep: bool = False) -> Itera
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     monitor = CellMonitor(namespace=namespace)
     recorder = BagRecorder(bag, namespace=namespace, lockstep=lockstep) if bag is not None else None
-    spinning = Spinning([node for node in (monitor, recorder) if node is not None], 'cell listener')
+    spinning = SpunNodes([node for node in (monitor, recorder) if node is not None], 'cell listener')
     listener = CellListener(monitor, recorder)
     try:
         yield listener

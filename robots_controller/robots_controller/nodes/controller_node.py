@@ -158,7 +158,7 @@ class ControllerNode(ManagedNode):
             self.give_up()
         if self.participant is None:
             ForeignWriters(self, self._control)
-        self._report_due = self.create_guard_condition(self.look_after_health)
+        self._report_due = self.create_guard_condition(self.update_health)
         self._executor_priority = priority - 1
 
         sys.setswitchinterval(SWITCH_INTERVAL)
@@ -270,7 +270,7 @@ class ControllerNode(ManagedNode):
         if condition != self._last_condition:
             self._last_condition = condition
             if self.simulated_time:
-                self.look_after_health()
+                self.update_health()
             else:
                 self._report_due.trigger()
 
@@ -372,7 +372,7 @@ class ControllerNode(ManagedNode):
         self._control.stop_before_collision()
         return 'stopping on the path before an obstacle'
 
-    def look_after_health(self) -> None:
+    def update_health(self) -> None:
         """Report it, with the loop's figures."""
         if self._executor_priority > 0 and not self.simulated_time:
             # This thread shares the interpreter with the loop: preempted while it holds it, it would hold

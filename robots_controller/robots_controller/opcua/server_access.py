@@ -32,14 +32,14 @@ OPERATING: Final = READING | {
 }
 
 
-class _Nobody(PermissionRuleset):  # type: ignore[misc]  # asyncua has no types there
+class _NoPermissions(PermissionRuleset):  # type: ignore[misc]  # asyncua has no types there
     def check_validity(self, user: Any, action_type_id: Any, body: Any) -> bool:
         """Nothing is served."""
         del user, action_type_id, body
         return False
 
 
-NOBODY: Final = _Nobody()
+NOBODY: Final = _NoPermissions()
 
 
 class ServerAccess(PermissionRuleset):  # type: ignore[misc]

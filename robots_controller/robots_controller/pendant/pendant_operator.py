@@ -17,7 +17,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.jog.held_button import HeldButton, standing
-from robots_controller.pendant.jog.jog_outlook import Ahead, JogOutlook
+from robots_controller.pendant.jog.jog_prediction import JogPrediction, PredictedStop
 from robots_controller.pendant.jog.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.message_log import MessageLog
 from robots_controller.pendant.motion_recording import MotionRecording
@@ -90,7 +90,7 @@ class PendantOperator:
         self.state = PendantState()
         self.held: Final = HeldButton(robot, port, now, self._check)
         self._port = port
-        self._outlook = JogOutlook(robot)
+        self._prediction = JogPrediction(robot)
         self._planning, self._planner = threading.Lock(), cache(lambda: MotionPreview(planning()))
         self._previews: dict[str, Preview] = {}
         self._printed = 0
@@ -148,12 +148,12 @@ class PendantOperator:
         if self.held.viewer == viewer:
             self.held.release()
 
-    def ahead(self) -> Ahead | None:
+    def ahead(self) -> PredictedStop | None:
         """What will stop the jog that is under way; None for nothing soon."""
         jog, state = self.held.jog, self.state
         if jog is None or state.q is None:
             return None
-        return self._outlook.ahead(jog, state.q, state.jog_speeds, state.settings)
+        return self._prediction.ahead(jog, state.q, state.jog_speeds, state.settings)
 
     def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview:
         """Plan the motion to a typed target, and show its end in the 3D view.

@@ -113,7 +113,7 @@ class TurnClock:
         self._ended = False
         self._cell_turn.acquire()
 
-    def let_program_work(self) -> None:
+    def yield_to_program(self) -> None:
         """Let the waiting program work until it waits again or ends."""
         with self._waits_in:
             self._program_has_turn = True
@@ -124,4 +124,4 @@ class TurnClock:
         """No time will pass any more: the program, which has to stop, must not wait for it."""
         self._ended = True
         if self.waiting:
-            self.let_program_work()
+            self.yield_to_program()

@@ -13,7 +13,7 @@ from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.program_check.input_combinations import InputCombination, input_combinations
 from robots_controller.program_check.lenient_planning import LenientPlanning
 from robots_controller.program_check.motion_problems import motion_problems, refusal
-from robots_controller.program_check.planned_way import PlannedWay, planned_way
+from robots_controller.program_check.planned_path import PlannedPath, planned_path
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
@@ -39,7 +39,7 @@ class WalkResult:
     problems: tuple[ProgramProblem, ...]
     walked: int
     possible: int
-    ways: tuple[PlannedWay, ...] = ()
+    ways: tuple[PlannedPath, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -125,8 +125,8 @@ def _walk(
     longest: float,
     patience: float,
     until: float,
-) -> tuple[list[ProgramProblem], list[PlannedWay]]:
-    """Problems and ways around obstacles of one walk, in their order; none begins after `until`."""
+) -> tuple[list[ProgramProblem], list[PlannedPath]]:
+    """Problems and paths around obstacles of one walk, in their order; none begins after `until`."""
     left = until - time.monotonic()
     if left <= 0.0:
         late = f'not walked within the patience of {patience:g} s'
@@ -139,7 +139,7 @@ def _walk(
     cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
-    ways: list[PlannedWay] = []
+    ways: list[PlannedPath] = []
     for motion in run.motions:
         if motion.plan is None:
             continue
@@ -153,7 +153,7 @@ def _walk(
             )
         )
         if error is None and motion.settings.avoid and not command.kind.cartesian:
-            ways.append(planned_way(planning, motion))
+            ways.append(planned_path(planning, motion))
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
     if run.error is not None:

@@ -229,7 +229,7 @@ class InProcessCell:
             self.changed = False
             if clock.waiting:
                 self.cost.switch('program')
-                clock.let_program_work()
+                clock.yield_to_program()
                 self.cost.switch('other')
 
     def pass_over(self, until: float) -> int:

@@ -17,7 +17,7 @@ CONNECT_TIMEOUT = 10.0  # s
 Result = tuple[StudyCase, Row | None]
 
 
-def run_here(cases: Sequence[StudyCase], *, workers: int = 0) -> Iterator[Result]:
+def run_locally(cases: Sequence[StudyCase], *, workers: int = 0) -> Iterator[Result]:
     """Run cases in processes of this machine, results as they come.
 
     A process that dies takes others with it: cases that were under way are run again one by one, and the one

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from robots_controller.study.case_runners import run_here, run_on_scheduler
+from robots_controller.study.case_runners import run_locally, run_on_scheduler
 from robots_controller.study.run_case import Row
 from robots_controller.study.study_file import Study
 from robots_controller.study.study_results import StudyResults
@@ -43,7 +43,7 @@ def run_study(
     report(done, len(cases))
     try:
         if left:
-            found = run_on_scheduler(left, scheduler) if scheduler else run_here(left, workers=workers)
+            found = run_on_scheduler(left, scheduler) if scheduler else run_locally(left, workers=workers)
             for case, row in found:
                 if row is not None:
                     results.add(case, row)

@@ -159,11 +159,11 @@ class RobotNode(TimedNode):
         if changed:
             self._publish_health()
 
-    def look_after_health(self) -> None:
-        """Called before health is reported again: for nodes whose health has values that change."""
+    def update_health(self) -> None:
+        """Called before health is published again: nodes whose health has values that change set it here."""
 
     def _repeat_health(self) -> None:
-        self.look_after_health()
+        self.update_health()
         self._publish_health()
 
     def _publish_health(self) -> None:

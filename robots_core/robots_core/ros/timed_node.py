@@ -100,8 +100,8 @@ class TimedNode(Node):
         """How long the process has given no sign of life, s: after it was frozen, until the next one."""
         return self._silence()
 
-    def gives_signs_of_life(self, silence: Callable[[], float]) -> None:
-        """Its process has a heartbeat, which has been silent for so long, s."""
+    def set_own_silence(self, silence: Callable[[], float]) -> None:
+        """Take the function by which a heartbeat returns how long the process has been silent, s."""
         self._silence = silence
 
     def held_up(self, silence: float) -> None:

@@ -81,7 +81,7 @@ class CommandPlanner:
         if chain.blocked is None:
             return error
         first, place = chain.commands[0], chain.blocked
-        what = self._planning.in_the_way(place.trajectory, place.since)
+        what = self._planning.obstacle_ahead(place.trajectory, place.since)
         attempt = f'attempt {first.replans} of {first.settings.most_replans} to go around it'
         return PlanningError(f'{BLOCKED}: {what}; {attempt} failed: {error.message}', **error.details)
 
@@ -141,7 +141,7 @@ class CommandPlanner:
         if self._open is None or not running or self._open.commands[-1].id not in running[-1].ends:
             return None, ''
         try:
-            plan = None if self._late(running[-1]) else self._chain.carry_on(self._open, chain)
+            plan = None if self._late(running[-1]) else self._chain.continue_from(self._open, chain)
         except RobotsError as error:
             return None, f'it cannot be carried on in motion: {error}'
         if plan is None or self._late(running[-1]):

@@ -127,7 +127,7 @@ class MotionChain:
         trajectory, ends, open_end = min(plans, key=lambda plan: plan[0].duration)
         return self._checked(commands, trajectory, ends, open_end)
 
-    def carry_on(self, end: OpenEnd, chain: CommandChain) -> ChainPlan:
+    def continue_from(self, end: OpenEnd, chain: CommandChain) -> ChainPlan:
         """The plan of a chain that carries on the one before: from the start of its open end.
 
         Raises:
@@ -147,7 +147,7 @@ class MotionChain:
         path, corners = whole.rest(start), (corners[1:] - start) / (1.0 - start)
         limits = self._limits(commands, path, corners)
         timing = self._timing(commands)
-        timed = timing.carried_on(path, limits, PathStart.of(path, q_dot, q_ddot, end.smoothing))
+        timed = timing.continued_from(path, limits, PathStart.of(path, q_dot, q_ddot, end.smoothing))
         timed = replace(timed, trajectory=_from_state(timed.trajectory, end.state))
         joined = CommandChain(commands, goes_on=chain.goes_on)
         return self._checked(commands, *_opened(joined, timed, corners, paths), start_motion=(q_dot, q_ddot))

@@ -56,7 +56,7 @@ class MotionPlannerPort(Protocol):
         """Do work that takes long: now, or in the planner's thread, one after the other."""
 
     def release_after(self, patience: float) -> None:
-        """Call `wait_no_longer` after this time, s, counted from the last call of this."""
+        """Call `end_wait` after this time, s, counted from the last call of this."""
 
     def send(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
@@ -174,7 +174,7 @@ class MotionPlanner:
         """Plan the commands that wait for another one to blend into: none follows."""
         self._plan(self._queue.release())
 
-    def wait_no_longer(self) -> None:
+    def end_wait(self) -> None:
         """Plan the commands that wait for another one, unless the robot has motions until later."""
         time = self._time_left()
         if time > 0.0:
@@ -277,8 +277,11 @@ class MotionPlanner:
     ) -> None:
         """Say what is in the way of a motion that does not go around it."""
         trajectory = motion.trajectory
-        what = self.planning.in_the_way(trajectory, progress * trajectory.duration)
-        again = f' again, after {replans} ways around, as many as most_replans allows' if replans else ''
+        what = self.planning.obstacle_ahead(trajectory, progress * trajectory.duration)
+        again = ''
+        if replans:
+            paths = 'path' if replans == 1 else 'paths'
+            again = f' again, after {replans} replanned {paths}, as many as most_replans allows'
         message = f'{BLOCKED}{again}: {what}'
         self._port.answer(MotionResult(result.id, ok=False, message=message, details=result.details))
 

@@ -50,7 +50,7 @@ class SearchCancelledError(PlanningError):
 
 
 @dataclass(frozen=True, eq=False)
-class FreeWay:
+class FreePath:
     """Postures with certified lines between them, (k, n) rad (m), from start to target; k >= 2."""
 
     postures: Array
@@ -90,7 +90,7 @@ class FreePathSearch:
         # In this norm, a way's length is about its time.
         self._weights = axes.velocity.max() / axes.velocity
 
-    def way(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreeWay:
+    def path(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreePath:
         """A fast way from a free posture to one of several, the first that a free line leads to if any.
 
         Args:
@@ -105,13 +105,13 @@ class FreePathSearch:
         certificate, margins = self._detection.certificate(start, margin=self._margin)
         for target in targets:
             if certificate.line(start, target, margins) == FREE:
-                return FreeWay(np.array([start, target]), certificate, margins)
-        return self.way_around(start, targets, cancelled)
+                return FreePath(np.array([start, target]), certificate, margins)
+        return self.path_around(start, targets, cancelled)
 
-    def way_around(
+    def path_around(
         self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
-    ) -> FreeWay:
-        """`way` where no line is free: arguments and errors as there."""
+    ) -> FreePath:
+        """`path` where no line is free: arguments and errors as there."""
         kept = self._detection.certificate(start, margin=self._margin)
         ends = np.vstack([start, targets])
         random: Random = np.array([self._seed], dtype=np.uint64)
@@ -125,7 +125,7 @@ class FreePathSearch:
             budget = min(self._budget, SECOND_SEARCH / POSTURES_PER_SECOND)
             with suppress(NoFreePathError):
                 path = min(path, found(budget), key=self._time)
-        return FreeWay(self._shortened(kept, path, CHANGES, random), *kept)
+        return FreePath(self._shortened(kept, path, CHANGES, random), *kept)
 
     def _time(self, path: Array) -> float:
         """About the time, s, that a path through postures (k, n) takes."""
@@ -160,7 +160,7 @@ class FreePathSearch:
         most, step = int(budget * POSTURES_PER_SECOND / crowd), max(int(SLICE / crowd), 1)
         while work[0] < most:
             if cancelled():
-                raise SearchCancelledError('given up while a way around obstacles was searched for')
+                raise SearchCancelledError('given up while a path around obstacles was searched for')
             a, b = grow(
                 certificate.body,
                 certificate.placed,
@@ -204,7 +204,7 @@ class FreePathSearch:
         name, unit = self._axes.names[axis], self._axes.unit(axis)
         blocking = ', '.join(f'{a} by {b}' for a, b in most)
         return NoFreePathError(
-            f'no free way found within a budget of {self._budget:g} s: the searches from start and target '
+            f'no free path found within a budget of {self._budget:g} s: the searches from start and target '
             f'come within {way[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
             joint=name,
             gap=float(way[axis]),

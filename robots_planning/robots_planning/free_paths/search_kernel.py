@@ -1,5 +1,5 @@
 # ruff: noqa: PLR0917, C901  # compiled loops over arrays
-"""Search for a free way between postures by two trees, and its shortening, compiled.
+"""Search for a free path between postures by two trees, and its shortening, compiled.
 
 RRT-Connect (Kuffner and LaValle 2000) whose edges are all certified. Random numbers are integer arithmetic
 (splitmix64; Steele, Lea and Flood 2014), and postures are made of sums and products alone, so that a search

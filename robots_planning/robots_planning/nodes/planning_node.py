@@ -250,7 +250,7 @@ class PlanningNode(RobotNode):
 
     def _release(self) -> None:
         self._patience.cancel()
-        self.planner.wait_no_longer()
+        self.planner.end_wait()
 
     def _on_progress(self, message: Float64) -> None:
         self.planner.progress(fraction(message.data, 'motion_progress'))
@@ -264,7 +264,7 @@ class PlanningNode(RobotNode):
         for action in () if result.blocked else self._actions:
             action.ended(result)
         ended = partial(self.planner.result, result, number_in(result.details, 'ended', self.time()))
-        if result.blocked:  # the way around is planned as a command: from the last reference, in its phase
+        if result.blocked:  # the path around is planned as a command: from the last reference, in its phase
             self._inbox.put(self.get_clock().now().to_msg(), ended)
         else:
             ended()

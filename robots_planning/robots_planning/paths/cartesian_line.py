@@ -5,7 +5,7 @@ import numpy as np
 from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
 from robots_core.validation import read_only
-from robots_planning.paths.cartesian_path import CartesianPath, no_pieces
+from robots_planning.paths.cartesian_path import CartesianPath, empty_pieces
 
 
 class CartesianLine(CartesianPath):
@@ -23,7 +23,7 @@ class CartesianLine(CartesianPath):
         """m, (3,)."""
         self.rotation = read_only(rotation_vector(end.T @ start.T.T))
         """Axis times angle, rad, (3,); the angle is in [0, pi]."""
-        pieces = no_pieces(1)
+        pieces = empty_pieces(1)
         _, position, _, _, turn, T = pieces
         position[0, 0], position[0, 1] = start.r, self.translation
         turn[0, 1], T[0] = self.rotation, start.T

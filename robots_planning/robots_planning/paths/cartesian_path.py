@@ -106,7 +106,7 @@ class CartesianPath:
         span = end - begin
         inner = breaks[(breaks > min(begin, end)) & (breaks < max(begin, end))]
         edges = np.array([begin, *(inner if span > 0.0 else inner[::-1]), end])
-        pieces = no_pieces(len(edges) - 1)
+        pieces = empty_pieces(len(edges) - 1)
         pieces[0][1:-1] = (edges[1:-1] - begin) / (span or 1.0)
         for k, middle in enumerate(0.5 * (edges[:-1] + edges[1:])):
             i = interval_at(breaks, middle)
@@ -148,7 +148,7 @@ def _gauss_legendre() -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(SAMPLES_PER_PIECE)
 
 
-def no_pieces(count: int) -> PathArrays:
+def empty_pieces(count: int) -> PathArrays:
     """Pieces of equal length in s, at rest in the origin, to be filled in."""
     return (
         np.linspace(0.0, 1.0, count + 1),

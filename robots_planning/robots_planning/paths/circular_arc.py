@@ -11,7 +11,7 @@ from robots_core.validation import Array, read_only
 from robots_planning.paths.cartesian_path import (
     CartesianPath,
     check_apart,
-    no_pieces,
+    empty_pieces,
     position_text,
 )
 
@@ -67,7 +67,7 @@ class CircularArc(CartesianPath):
             rotation = self.arc_angle * self.normal
         else:
             rotation = rotation_vector(end.T @ start.T.T)
-        pieces = no_pieces(1)
+        pieces = empty_pieces(1)
         _, position, arc, rate, turn, T = pieces
         position[0, 0] = self.center
         arc[0, 0], arc[0, 1], rate[0] = out, side, self.arc_angle

@@ -36,7 +36,7 @@ class SampledPath(Protocol):
         """Poses at `s` (m,)."""
 
 
-def unturned(count: int) -> Array:
+def identity_orientations(count: int) -> Array:
     """Orientations of the base frame, (count, 3, 3)."""
     return np.tile(np.eye(3), (count, 1, 1))
 
@@ -100,7 +100,7 @@ def _with_ends(
 
 def _sampled(path: SampledPath, s: Array, *, oriented: bool) -> tuple[Array, Array]:
     poses = path.sample(s)
-    return poses.r, poses.T if oriented else unturned(len(s))
+    return poses.r, poses.T if oriented else identity_orientations(len(s))
 
 
 def _around(path: SampledPath, near: Array, r: Array, T: Array, *, oriented: bool) -> tuple[Array, Array]:

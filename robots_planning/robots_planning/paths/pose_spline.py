@@ -13,7 +13,7 @@ from robots_planning.paths.cartesian_path import (
     COINCIDENT_ANGLE,
     COINCIDENT_DISTANCE,
     CartesianPath,
-    no_pieces,
+    empty_pieces,
     position_text,
 )
 from robots_planning.paths.spline_pieces import position_pieces, turning_pieces
@@ -48,7 +48,7 @@ class PoseSpline(CartesianPath):
         steps = chords(poses)
         self.parameters = read_only(np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum())
         """s at each pose."""
-        breaks, position, arc, rate, turn, orientation = no_pieces(len(poses) - 1)
+        breaks, position, arc, rate, turn, orientation = empty_pieces(len(poses) - 1)
         breaks[:] = self.parameters
         breaks[-1] = 1.0
         h = np.diff(breaks)

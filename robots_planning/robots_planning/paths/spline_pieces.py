@@ -6,7 +6,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_vector_jacobians
 from robots_core.validation import Array
 from robots_planning.paths.block_tridiagonal import BlockTridiagonal
-from robots_planning.paths.cartesian_path import CartesianPath, no_pieces
+from robots_planning.paths.cartesian_path import CartesianPath, empty_pieces
 
 # Change of the angular velocities in an iteration, relative; some ten iterations lead there.
 CONVERGED = 1e-12
@@ -113,6 +113,6 @@ def _slopes(h: Array, mean: Array) -> Array:
 
 def _second_derivative(p: Array, p_s: Array) -> Array:
     """J' p' (m, 3) of rotation vectors p (m, 3) that change by p' (m, 3)."""
-    pieces = no_pieces(len(p))
+    pieces = empty_pieces(len(p))
     pieces[4][:, 0], pieces[4][:, 1] = p, p_s
     return CartesianPath(pieces).sample(pieces[0][:-1]).x_ss[:, 3:]

@@ -163,7 +163,7 @@ class TimeOptimalTiming:
         if last is not None and self._jerk is None:
             yield last.timed(self._slowed(last))
 
-    def carried_on(self, path: JointPath, tool: PathLimits | None, start: PathStart) -> TimedPath:
+    def continued_from(self, path: JointPath, tool: PathLimits | None, start: PathStart) -> TimedPath:
         """The fastest trajectory to rest along a path of a robot that moves already.
 
         It is smoothed as the time law before it. It cannot be slowed down as a whole: limits are lowered

@@ -15,7 +15,7 @@ from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
-from robots_planning.free_paths.free_path_search import FreePathSearch, FreeWay
+from robots_planning.free_paths.free_path_search import FreePath, FreePathSearch
 from robots_planning.free_paths.free_postures import (
     BlockedPostureError,
     blocked_target,
@@ -99,7 +99,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
     def _plan(self, start: Array, target: Target) -> Trajectory:
         try:
             path = self.joint_path(start, target)
-        except _NoWayToGoError as error:
+        except _ZeroMotionError as error:
             return rest_trajectory(start, error.goal)
         return self._timing.trajectory(path)
 
@@ -118,7 +118,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         goals = self._goals(start, target)
         nearest = goals[0]
         if float(np.abs(nearest - start).max()) < SHORTEST_MOVE:
-            raise _NoWayToGoError(nearest)
+            raise _ZeroMotionError(nearest)
         self.via = np.empty((0, start.size))
         if self.collision is None:
             return super().joint_path(start, nearest)
@@ -126,12 +126,12 @@ class CollisionFreeJoint(JointSpaceGenerator):
         if self._last is not None and self._last[0] == key:  # asked again, for a chain or its stops
             self.via = self._last[2]
             return self._last[1]
-        way = self._free_way(self.collision, start, goals)
+        way = self._free_path(self.collision, start, goals)
         path, self.via = rounded(way), way.postures[1:-1]
         self._last = (key, path, self.via)
         return path
 
-    def _free_way(self, collision: CollisionDetection, start: Array, goals: Array) -> FreeWay:
+    def _free_path(self, collision: CollisionDetection, start: Array, goals: Array) -> FreePath:
         if collision.blind:
             raise PlanningError(
                 f'{self.robot.name} has no collision shapes, so that it can avoid nothing; its URDF needs '
@@ -145,7 +145,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         search = FreePathSearch(
             self.robot, collision, margin=self.margin, budget=self._budget, seed=self._seed
         )
-        return search.way(start, free, self._cancelled)
+        return search.path(start, free, self._cancelled)
 
     def _goals(self, start: Array, target: Target) -> Array:
         """Postures (k, n) that reach a target, the nearest first."""
@@ -177,7 +177,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         return others
 
 
-class _NoWayToGoError(PlanningError):
+class _ZeroMotionError(PlanningError):
     """The motion goes nowhere: `goal` (n,) is the start, or closer to it than rounding."""
 
     def __init__(self, goal: Array) -> None:

@@ -78,7 +78,7 @@ class TrajectoryGenerator(ABC):
     ) -> None:
         self.robot = robot
         self.via: Array | None = None
-        """Postures (k, n) that the last way around obstacles leads along; None of other planners."""
+        """Postures (k, n) that the last path around obstacles leads along; None of other planners."""
         self.hold = held_by(robot.num_axes, hold)
         self.tool = tool
         self.speed_fraction = usable_fraction(speed_fraction, 'speed_fraction')

@@ -14,9 +14,9 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.paths.path_deviation import (
     SampledPath,
+    identity_orientations,
     line_deviation,
     path_deviation,
-    unturned,
 )
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification.axis_extremes import AxisExtremes
@@ -297,7 +297,7 @@ def _deviation(
     if tool is not None:
         r, T = r + T @ tool.r, T @ tool.T
     if not oriented:
-        T = unturned(len(r))
+        T = identity_orientations(len(r))
         line = None if line is None else (Pose(line[0].r, T[0]), Pose(line[1].r, T[0]))
     found = [] if line is None else [line_deviation(r, T, *line)]
     found += [] if path is None else [path_deviation(r, T, path, oriented=oriented)]

@@ -206,7 +206,7 @@ def _events(
         return change
 
     def stop(now: float) -> None:
-        if motion.hurry:
+        if motion.fast_stop:
             controller.trip(Fault.EMERGENCY_STOP, STOP, now)
         else:
             controller.cancel(STOP)

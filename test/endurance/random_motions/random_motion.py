@@ -35,7 +35,7 @@ class RandomMotion:
         overrides: Speed overrides and the part of the plan's duration at which each is set, in order; 0 is a
             pause.
         stop_at: Part of the plan's duration at which it is stopped; infinite for never.
-        hurry: It is stopped as fast as the limits permit.
+        fast_stop: It is stopped as fast as the limits permit.
     """
 
     seed: int
@@ -47,7 +47,7 @@ class RandomMotion:
     tool_speed_limit: float
     overrides: tuple[tuple[float, float], ...]
     stop_at: float
-    hurry: bool
+    fast_stop: bool
 
     @property
     def title(self) -> str:
@@ -89,7 +89,7 @@ def random_motion(seed: int, robot: BaseRobotModel | None = None) -> RandomMotio
         tool_speed_limit=_log(rng, 0.2, 2.0) if rng.random() < 0.15 else 0.0,
         overrides=tuple(zip(np.sort(1.2 * rng.random(count)).tolist(), values, strict=True)),
         stop_at=float(rng.random()) if happens == 'stop' else np.inf,
-        hurry=bool(rng.random() < 0.5),
+        fast_stop=bool(rng.random() < 0.5),
     )
 
 

@@ -46,7 +46,7 @@ class PathSpeed:
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
         self._advance = self._end = period
         self._gain = 0.0
-        self.hurry = False
+        self.fast_stop = False
         """Change the speed as fast as the limits permit, whatever the ramp time."""
 
     @property
@@ -96,7 +96,7 @@ class PathSpeed:
         """
         wanted = target * self._period
         gain = wanted - self._end
-        if not self.hurry:
+        if not self.fast_stop:
             gain = min(max(gain, -self._ramp), self._ramp)
         if gain != 0.0:
             gain = self._bounded(gain, path.sample(path_time))

@@ -109,7 +109,7 @@ class SpeedControl:
             speed = min(speed, self._frame_limit.stream_share(before[0]))
         reference, over = stream.step(now, before, speed)
         if self.zones is not None and not over:
-            reference = self.zones.kept_back(
+            reference = self.zones.hold_before_borders(
                 before, reference, lambda slower: stream.step(now, before, min(slower, speed))[0]
             )
         return reference, over

@@ -201,7 +201,7 @@ class ZoneGuard:
         after = None if motion.successor is None else self._held(motion.successor)
         return None if after is None else motion.ending(motion.join_time, after.begin)
 
-    def kept_back(self, before: Array, wanted: Array, slower: Callable[[float], Array]) -> Array:
+    def hold_before_borders(self, before: Array, wanted: Array, slower: Callable[[float], Array]) -> Array:
         """The next reference of a stream, (3, n), from which the robot can still brake before all borders.
 
         Args:

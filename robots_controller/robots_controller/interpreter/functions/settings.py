@@ -131,7 +131,7 @@ class Settings(Family):
 
     @lua_function(
         SWITCH,
-        Argument('budget', kinds.POSITIVE, 's', 'longest search for a way around', optional=True),
+        Argument('budget', kinds.POSITIVE, 's', 'longest search for a path around obstacles', optional=True),
         Argument('on_blocked', kinds.ON_BLOCKED, '', f'one of {", ".join(ON_BLOCKED)}', optional=True),
         Argument('most', kinds.COUNT, '', 'how often one motion may be replanned', optional=True),
     )

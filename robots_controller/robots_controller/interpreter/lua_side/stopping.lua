@@ -23,7 +23,7 @@ local STOP = {}
 local stopped = false
 local last = clock()
 local STOP_BIT, ATTEND_BIT, TRACE_BIT, DEPTH_BIT = 1, 2, 4, 8
-local tracing, wants_depth = false, false
+local tracing, needs_depth = false, false
 local traced = setmetatable({}, {__mode = 'k'})
 local attend, sources, hook, program_place
 local instructions = 0
@@ -31,7 +31,7 @@ local MAX_TASK_INSTRUCTIONS, current_task, task_instructions = 1000000, nil, 0
 
 -- Lines are reported during debugging alone: each costs a call of Python.
 local function trace(code)
-  tracing, wants_depth = code & TRACE_BIT ~= 0, code & DEPTH_BIT ~= 0
+  tracing, needs_depth = code & TRACE_BIT ~= 0, code & DEPTH_BIT ~= 0
   local co = running()
   if tracing ~= (traced[co] or false) then
     traced[co] = tracing
@@ -82,7 +82,7 @@ function hook(event, line)
     local reported = counted and line == last_reported
     last_reported, counted = line, false
     local chunk = not reported and sources[getinfo(2, 'S').source]
-    if chunk then obey(at_line(chunk, line, wants_depth and depth() or 0)) end
+    if chunk then obey(at_line(chunk, line, needs_depth and depth() or 0)) end
     -- Instructions of the hook count too: a loop in step with them would never see a count of its own.
   elseif event == 'count' then
     counted = true

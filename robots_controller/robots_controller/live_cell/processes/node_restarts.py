@@ -9,8 +9,8 @@ from rich.markup import escape
 from robots_controller.io.fail_safe import FailSafe
 from robots_controller.live_cell.cell_events import ProgramStatus
 from robots_controller.live_cell.cell_monitor import CellMonitor
-from robots_controller.live_cell.processes.left_outputs import LeftOutputs
 from robots_controller.live_cell.processes.node_processes import NodeProcess, NodeProcesses
+from robots_controller.live_cell.processes.orphaned_outputs import OrphanedOutputs
 from robots_controller.live_cell.processes.restart_policy import RestartPolicy
 
 PROGRAM_NODE: Final = 'lua_program_node'
@@ -38,7 +38,7 @@ class NodeRestarts:
         restarting: bool,
     ) -> None:
         self._processes, self._monitor, self._console = processes, monitor, console
-        self._outputs = LeftOutputs(monitor, fail_safe)
+        self._outputs = OrphanedOutputs(monitor, fail_safe)
         self._policy = RestartPolicy() if restarting else None
         self._program = ProgramStatus('', '', 0, '', '')
         self._reasons: dict[str, str] = {}  # by node

@@ -51,8 +51,8 @@ PLANNER, PROGRAM, VIEW, PLC = 'planning_node', 'lua_program_node', 'visualizer_n
 LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
 
 
-class StateHolder(Protocol):
-    """Whoever is shown the state."""
+class StateObserver(Protocol):
+    """Has the state of the cell as an attribute."""
 
     state: PendantState
 
@@ -62,11 +62,11 @@ class CellReader:
 
     Args:
         node: In the cell's namespace.
-        holder: Gets the state, which is replaced at every change.
+        observer: Gets the state, which is replaced at every change.
     """
 
-    def __init__(self, node: RobotNode, holder: StateHolder) -> None:
-        self._node, self._holder = node, holder
+    def __init__(self, node: RobotNode, observer: StateObserver) -> None:
+        self._node, self._observer = node, observer
         self._seen: set[str] = set()
         self._asked: dict[str, float] = {}  # when, s
         self._joints_time = 0.0
@@ -87,7 +87,7 @@ class CellReader:
 
     def show(self, **changes: Any) -> None:
         """Change the state."""
-        self._holder.state = replace(self._holder.state, **changes)
+        self._observer.state = replace(self._observer.state, **changes)
 
     def _subscribe(self) -> None:
         def text(topic: str, read: Callable[[str], Any]) -> None:
@@ -128,7 +128,7 @@ class CellReader:
 
     def _on_program(self, message: DiagnosticStatus) -> None:
         values = diagnostic_values(message)
-        before = self._holder.state.program
+        before = self._observer.state.program
         program = ShownProgram(
             path=before.path,
             points_file=before.points_file,
@@ -160,7 +160,7 @@ class CellReader:
 
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
-        self.show(io=replace(self._holder.state.io, forced=forced))
+        self.show(io=replace(self._observer.state.io, forced=forced))
 
     def _on_plc(self, message: DiagnosticStatus) -> None:
         values = diagnostic_values(message)
@@ -170,7 +170,7 @@ class CellReader:
         self.show(plc=ShownPlc(values.get('script', ''), error, pending=pending))
 
     def _on_image(self, image: str, message: Any) -> None:
-        io, values = self._holder.state.io, tuple(map(float, message.data))
+        io, values = self._observer.state.io, tuple(map(float, message.data))
         if io.values.get(image) != values:
             self.show(io=replace(io, values={**io.values, image: values}))
 
@@ -185,9 +185,9 @@ class CellReader:
             self._show_tool(q, seconds(message.header.stamp))
 
     def _show_tool(self, q: Array, time: float) -> None:
-        before, passed = self._holder.state.tool, time - self._joints_time
+        before, passed = self._observer.state.tool, time - self._joints_time
         self._joints_time = time
-        pose = Pose(*self._node.robot.direct_kinematics(q)) @ self._holder.state.settings.tool_pose
+        pose = Pose(*self._node.robot.direct_kinematics(q)) @ self._observer.state.settings.tool_pose
         moved = 0.0 if before is None else float(np.linalg.norm(pose.r - before.r))
         self.show(tool=pose, **({'tool_speed': moved / passed} if passed > 0.0 else {}))
 
@@ -207,7 +207,7 @@ class CellReader:
 
     def _look_for_lost(self) -> None:
         lost = {*WATCHED} - self._seen | {*self._watch.lost}
-        plc = replace(self._holder.state.plc, lost=PLC in lost)
+        plc = replace(self._observer.state.plc, lost=PLC in lost)
         self.show(lost=tuple(name for name in WATCHED if name in lost), plc=plc)
 
     # -- what they are asked ------------------------------------------------------------------------------
@@ -233,7 +233,7 @@ class CellReader:
         path, points_file, frames_file, breakpoints, *labels = values
         points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
         frames_file = frames_file or (str(Path(path).with_name(FRAMES_FILE)) if path else '')
-        state = self._holder.state
+        state = self._observer.state
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
         self.show(
             program=replace(state.program, path=path or '', points_file=points_file, frames_file=frames_file),

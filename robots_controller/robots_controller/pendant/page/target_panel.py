@@ -15,7 +15,7 @@ from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError, RobotsError
 
 MILLIMETRES: Final = 1e3
-STAY: Final = 1.0  # s at the target, before the way around obstacles is shown again
+STAY: Final = 1.0  # s at the target, before the path around obstacles is shown again
 
 
 class TargetPanel:
@@ -150,7 +150,7 @@ class TargetPanel:
             self._forget()
 
     def refresh(self, state: PendantState) -> None:
-        """Fill the fields with the first position that comes, and show the next position of a way around."""
+        """Fill the fields with the first position that comes, and show the next position of a path around."""
         if self._around is not None:
             self._viewer.operator.play_preview(self._viewer.id, self._played)
             self._played = (self._played + PERIOD) % (self._around.duration + STAY)

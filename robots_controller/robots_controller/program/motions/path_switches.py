@@ -9,7 +9,7 @@ from robots_controller.program.motions.motion_command import MotionCommand, Path
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
-STEP: Final = 2e-3  # s, between the places of the tool from which the length of its way is computed
+STEP: Final = 2e-3  # s, between the places of the tool from which the length of its path is computed
 MOST_STEPS: Final = 2000  # of a motion; a longer one has longer steps
 FINE: Final = 32  # parts of two steps, where a place is looked for
 
@@ -75,7 +75,7 @@ def switches_on_path(
 ) -> PathSwitches:
     """The switches of motions that were planned as one.
 
-    A place is one on the way of the motion's own tool between the motion's start and end. One that lies
+    A place is one on the path of the motion's own tool between the motion's start and end. One that lies
     before the motion is its start, one behind it its end.
 
     Args:
@@ -86,16 +86,16 @@ def switches_on_path(
     places: list[tuple[float, PathSwitch, MotionCommand]] = []
     start = 0.0
     for end, command in chain:
-        way = None
+        path = None
         for switch in command.switches:
             if switch.anchor == 'time_after_start':
                 at = start + switch.at
             elif switch.anchor == 'time_before_end':
                 at = end - switch.at
             else:
-                way = way or ToolWay(trajectory, direct_kinematics, _tool(command), start, end)
+                path = path or ToolPath(trajectory, direct_kinematics, _tool(command), start, end)
                 after_start = switch.anchor == 'distance_after_start'
-                at = way.time(switch.at if after_start else way.length - switch.at)
+                at = path.time(switch.at if after_start else path.length - switch.at)
             places.append((min(max(at, start), end), switch, command))
         start = end
     return PathSwitches(places, trajectory.duration)
@@ -112,11 +112,11 @@ def warm_up(direct_kinematics: Callable[[Array], tuple[Array, Array]], q: Array)
     """
     rest = np.zeros((2, len(q)))
     trajectory = Trajectory(np.array([0.0, STEP]), np.stack([q, q]), rest, rest)
-    ToolWay(trajectory, direct_kinematics, np.zeros(3), 0.0, STEP)
+    ToolPath(trajectory, direct_kinematics, np.zeros(3), 0.0, STEP)
 
 
-class ToolWay:
-    """The way of a tool on a part of a trajectory.
+class ToolPath:
+    """The path of a tool on a part of a trajectory.
 
     Args:
         trajectory: The trajectory.
@@ -142,12 +142,12 @@ class ToolWay:
         chords, wholes = parts[::2] + parts[1::2], np.linalg.norm(r[2::2] - r[:-2:2], axis=1)
         self._times = times[::2]
         # Chords of half the length are short of the arc by a quarter (Richardson's extrapolation).
-        self._way = np.append(0.0, np.cumsum(chords + (chords - wholes) / 3.0))
+        self._lengths = np.append(0.0, np.cumsum(chords + (chords - wholes) / 3.0))
 
     @property
     def length(self) -> float:
         """M."""
-        return float(self._way[-1])
+        return float(self._lengths[-1])
 
     def time(self, distance: float) -> float:
         """When the tool has first gone this far, m; the start or the end where it lies outside."""
@@ -155,13 +155,14 @@ class ToolWay:
             return float(self._times[0])
         if distance >= self.length:
             return float(self._times[-1])
-        index = int(np.searchsorted(self._way, distance)) - 1
+        index = int(np.searchsorted(self._lengths, distance)) - 1
         times = np.linspace(self._times[index], self._times[index + 1], FINE + 1)
         parts = np.linalg.norm(np.diff(self._positions(times), axis=0), axis=1)
-        way = np.append(0.0, np.cumsum(parts))
-        wanted = (distance - self._way[index]) / (self._way[index + 1] - self._way[index]) * way[-1]
-        last = int(np.searchsorted(way, wanted))
-        return float(np.interp(wanted, way[last - 1 : last + 1], times[last - 1 : last + 1]))
+        lengths = np.append(0.0, np.cumsum(parts))
+        before, after = self._lengths[index : index + 2]
+        wanted = (distance - before) / (after - before) * lengths[-1]
+        last = int(np.searchsorted(lengths, wanted))
+        return float(np.interp(wanted, lengths[last - 1 : last + 1], times[last - 1 : last + 1]))
 
     def _positions(self, times: Array) -> Array:
         q = self._trajectory.sample(times)[0]

@@ -114,7 +114,7 @@ class CollisionGuard:
         """
         self._check(path)
         motion = _Motion(path, self.detection.first_approach(path, margin=self.margin))
-        if next(iter(self.motions), id_) == id_:  # the first one, or its way around an obstacle
+        if next(iter(self.motions), id_) == id_:  # the first one, or its path around an obstacle
             self._progress = 0.0
         self.motions[id_] = motion
         self._floor = self._margin_from(self.detection.distance(path.sample(path.start)))

@@ -82,11 +82,11 @@ class DriveTrain(ABC):
             InvalidInputError: another shape, or NaN or infinity.
         """
 
-    def strike(self, q_dot: Array) -> None:  # noqa: B027
-        """An impact has changed the velocities to `q_dot`, (n,), rad/s (m/s); see `struck_inertia`."""
+    def apply_impact(self, q_dot: Array) -> None:  # noqa: B027
+        """An impact has changed the velocities to `q_dot`, (n,), rad/s (m/s); see `impact_inertia`."""
 
     @property
-    def struck_inertia(self) -> Array | None:
+    def impact_inertia(self) -> Array | None:
         """Inertia of the drives that an impact moves, (n,), kg m^2 (kg); None for joints that hold.
 
         Drives without masses have no limit of their torque: they hold.

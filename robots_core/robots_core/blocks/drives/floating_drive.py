@@ -32,7 +32,7 @@ class FloatingDrive(DriveTrain):
 
     def __init__(self, drives: DriveTrain, rendezvous: Rendezvous) -> None:
         self._drives, self.rendezvous = drives, rendezvous
-        rendezvous.struck_inertia = drives.struck_inertia
+        rendezvous.impact_inertia = drives.impact_inertia
         self.position, self.velocity = drives.position, drives.velocity
         self._torque = read_only(np.zeros_like(drives.position))
 
@@ -61,7 +61,7 @@ class FloatingDrive(DriveTrain):
         base, torque = self.rendezvous.base, self._drives.torque
         if self.rendezvous.grasped and not before:
             q_dot = base.joint_velocity
-            self._drives.strike(q_dot)
+            self._drives.apply_impact(q_dot)
         self.position, self.velocity = q, q_dot
         self._torque = read_only(base.torque if torque is None else torque)
         return q, q_dot

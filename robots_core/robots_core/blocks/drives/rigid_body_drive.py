@@ -149,16 +149,16 @@ class RigidBodyDrive(DriveTrain):
         """See `DriveTrain.push`; the feed-forward leaves it out."""
         self._outside[:] = finite_vector(torque, self._outside.size, 'torque')
 
-    def strike(self, q_dot: Array) -> None:
-        """See `DriveTrain.strike`; behind an elastic gear the motor keeps its speed."""
+    def apply_impact(self, q_dot: Array) -> None:
+        """See `DriveTrain.apply_impact`; behind an elastic gear the motor keeps its speed."""
         self._state[kernel.Q_DOT], self._state[kernel.Q_DDOT] = q_dot, 0.0
         rigid = np.isinf(self.drives.stiffness)
         self._state[kernel.MOTOR_DOT, rigid] = q_dot[rigid]
         self.velocity = read_only(self._state[kernel.Q_DOT])
 
     @property
-    def struck_inertia(self) -> Array:
-        """See `DriveTrain.struck_inertia`."""
+    def impact_inertia(self) -> Array:
+        """See `DriveTrain.impact_inertia`."""
         return np.where(np.isinf(self.drives.stiffness), self.drives.inertia, 0.0)
 
     def _feed_forward(self, q: Array) -> FeedForward:

@@ -169,7 +169,7 @@ class FloatingBase:
         """Hold the joints where they are, by their brakes; what they had of the momentum goes to the base."""
         self._hold(np.zeros(self._n))
 
-    def take(self, payload: Payload, momentum: ArrayLike, *, struck_inertia: ArrayLike | None = None) -> None:
+    def take(self, payload: Payload, momentum: ArrayLike, *, impact_inertia: ArrayLike | None = None) -> None:
         """Carry a body from now on that is fixed to tool0, and with it its momentum.
 
         The impact is that of rigid bodies. Joints that hold keep their velocities. Those that yield have no
@@ -181,7 +181,7 @@ class FloatingBase:
         Args:
             payload: The body, seen from tool0.
             momentum: That it had before, (6,), as `momentum`.
-            struck_inertia: Of the drives' rotors at joints that yield, (n,), kg m^2 (kg); None for joints
+            impact_inertia: Of the drives' rotors at joints that yield, (n,), kg m^2 (kg); None for joints
                 that hold.
 
         Raises:
@@ -189,8 +189,8 @@ class FloatingBase:
         """
         momentum = finite_vector(momentum, 6, 'momentum')
         q_dot = self._q_dot
-        if struck_inertia is not None:
-            rotors = np.concatenate([np.zeros(6), finite_vector(struck_inertia, self._n, 'struck_inertia')])
+        if impact_inertia is not None:
+            rotors = np.concatenate([np.zeros(6), finite_vector(impact_inertia, self._n, 'impact_inertia')])
             M, p = self._struck(payload, momentum)
             p += rotors * np.concatenate([self._twist, q_dot])
             q_dot = np.asarray(np.linalg.solve(M + np.diag(rotors), p)[6:], dtype=np.float64)

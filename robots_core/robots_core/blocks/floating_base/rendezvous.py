@@ -58,7 +58,7 @@ class Rendezvous:
         self.target = TumblingBody(
             target.body, target.pose, velocity=target.velocity, angular_velocity=target.angular_velocity
         )
-        self.struck_inertia: Array | None = None
+        self.impact_inertia: Array | None = None
         """Of the drives, whose joints yield to the grasp; None for joints that hold."""
         self.guided = False
         """The camera leads the tool; the approach begins again when it does again."""
@@ -237,7 +237,7 @@ class Rendezvous:
     def _grasp(self, tool: Pose, held: Pose, joints: Array) -> None:
         (speed, rotation), before, arm = self.measured, self.target.momentum, self.base.joint_velocity
         self._held = held
-        self.base.take(self.target.body.seen_from(held), before, struck_inertia=self.struck_inertia)
+        self.base.take(self.target.body.seen_from(held), before, impact_inertia=self.impact_inertia)
         self.grasped = True
         self._carry_target()
         impulse = self.target.momentum - before

@@ -166,7 +166,7 @@ class RealtimeMovement:
         """
         self._reference.put_twist(twist, time)
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Forget the reference: the robot brakes to a stop, until another one comes."""
         self._reference = PoseReference(timeout=self.timeout)
         self._integrated = None

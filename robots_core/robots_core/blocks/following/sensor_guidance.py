@@ -51,7 +51,7 @@ class SensorGuidance:
     def hand_over(self, *, handed_over: bool) -> None:
         """Let samples guide the robot; otherwise it is braked, and they are ignored."""
         if self._handed_over and not handed_over:
-            self._movement.let_go()
+            self._movement.release()
             self.ended = ''
         self._handed_over = handed_over
 

@@ -55,7 +55,7 @@ def condition_rows(hold: str, num_axes: int) -> int:
     return 3 if hold == POSITION else 3 + num_axes
 
 
-class Miss(Protocol):
+class PoseDeviation(Protocol):
     """How far a tool is from a pose."""
 
     @property
@@ -67,7 +67,7 @@ class Miss(Protocol):
         """Angle, rad."""
 
 
-def describe_miss(miss: Miss, hold: str) -> str:
+def describe_miss(miss: PoseDeviation, hold: str) -> str:
     """'20 mm and 0.03 rad', or '20 mm' where no orientation is held."""
     error = miss.position_error
     distance = f'{error:.4g} m' if error >= 1.0 else f'{error * 1e3:.3g} mm'

@@ -15,7 +15,7 @@ from robots_core.robot_model.shapes import Mesh
 LFS_POINTER: Final = b'version https://git-lfs'
 
 
-class _Beside(FilePathResolver):  # type: ignore[misc]  # trimesh has no types there
+class _ReadableFiles(FilePathResolver):  # type: ignore[misc]  # trimesh has no types there
     """Files that a mesh names, as its materials: those alone that can be read whole."""
 
     def absolute(self, name: str) -> Path:
@@ -41,7 +41,7 @@ def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
         if file.read(len(LFS_POINTER)) == LFS_POINTER:
             raise InvalidInputError(f'mesh file {str(path)!r} is a pointer of Git LFS: run git lfs pull')
     try:
-        mesh = trimesh.load_mesh(path, resolver=_Beside(str(path)))
+        mesh = trimesh.load_mesh(path, resolver=_ReadableFiles(str(path)))
         faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
         factor = np.asarray(scale, dtype=np.float64)
         if path.suffix.lower() == '.dae' and mesh.units:

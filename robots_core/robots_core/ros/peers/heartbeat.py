@@ -42,7 +42,7 @@ class Heartbeat:
         self._publisher = make_publisher(node, UInt64, f'~/{HEARTBEAT}')
         self._message = serialize_message(UInt64(data=self.began))
         self._last = math.inf
-        node.gives_signs_of_life(lambda: max(0.0, time.monotonic() - self._last))
+        node.set_own_silence(lambda: max(0.0, time.monotonic() - self._last))
         self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
         self._thread.start()
 

@@ -81,7 +81,7 @@ class LeanExecutor(Executor):
         self._call_ready(self._often)
         if self._seldom.rests:
             self._call_ready(self._seldom.wait_set)
-            self._seldom.go_on()
+            self._seldom.resume()
 
     def _patience(self, timeout_sec: float | None) -> float | None:
         """How long to wait, s; coroutines may wait for another thread, which does not end the wait."""

@@ -123,7 +123,7 @@ def default_text(value: object) -> str:
     return f'{value:g}' if isinstance(value, float) else str(value) or "''"
 
 
-def asks_for_help(arguments: Sequence[str] | None = None) -> bool:
+def help_requested(arguments: Sequence[str] | None = None) -> bool:
     """Whether a command line asks for help, before the arguments of ROS."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     own = given[: given.index('--ros-args')] if '--ros-args' in given else given

@@ -23,7 +23,7 @@ from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
 from robots_core.ros.running.interrupt import interrupt
 from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.running.middleware import choose_transports
-from robots_core.ros.running.node_help import asks_for_help, check_parameter_names, help_text
+from robots_core.ros.running.node_help import check_parameter_names, help_requested, help_text
 from robots_core.ros.timed_node import TimedNode
 
 END_DEADLINE = 20.0  # s
@@ -32,7 +32,7 @@ STDERR = 2  # its descriptor, whatever `sys.stderr` is
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
     """Run a node, see `run_nodes`; or print what it is, with `--help`."""
-    if asks_for_help(args):
+    if help_requested(args):
         print(help_text(make_node))
         return ExitCode.OK
     return run_nodes([make_node], args)

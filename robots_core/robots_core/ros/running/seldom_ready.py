@@ -15,7 +15,7 @@ WITHOUT_END = -1
 class SeldomReady:
     """Takes what is seldom ready out of the wait set that an executor fills and looks through in each round.
 
-    The thread waits until anything is ready, or until `pause`; then it rests until `go_on`. All methods are
+    The thread waits until anything is ready, or until `pause`; then it rests until `resume`. All methods are
     called in the executor's thread.
 
     Args:
@@ -51,7 +51,7 @@ class SeldomReady:
             raise error
         return self._wait_set
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Let the thread wait again."""
         self._resting.clear()
         self._going.set()
@@ -67,13 +67,13 @@ class SeldomReady:
         self.pause()
         self._wait_set.close()
         self._wait_set = HeldWaitSet(self._context, {**entities, 'guard_condition': [self._guard]}, waitables)
-        self.go_on()
+        self.resume()
 
     def close(self) -> None:
         """End the thread and let go of all entities."""
         self.pause()
         self._closed = True
-        self.go_on()
+        self.resume()
         self._thread.join()
         self._wait_set.close()
         self._guard.destroy()

@@ -30,5 +30,5 @@ class LockstepTurns:
 
     def _give(self, _now: float) -> None:
         if self.clock.waiting:
-            self.clock.let_program_work()
+            self.clock.yield_to_program()
             self.begun()

@@ -50,14 +50,14 @@ class PathSwitchingMessages:
 
     def _on_trajectory(self, data: bytes) -> None:
         id_ = serialized_stamp_id(data)
-        if self._switching.awaits(id_):  # not a stream
+        if self._switching.waits_for(id_):  # not a stream
             self._trajectories[id_] = data
             self._put(id_)
 
     def _on_plan(self, message: DiagnosticStatus) -> None:
         ends = diagnostic_values(message)
         id_ = ends.pop('id', '')
-        if self._switching.awaits(id_):
+        if self._switching.waits_for(id_):
             self._ends[id_] = {one: number_in(ends, one, 0.0) for one in ends}
             self._put(id_)
 

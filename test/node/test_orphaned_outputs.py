@@ -6,7 +6,7 @@ from typing import Any
 
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from robots_controller.live_cell.processes.left_outputs import LeftOutputs
+from robots_controller.live_cell.processes.orphaned_outputs import OrphanedOutputs
 
 from .bench import EVERY_STATE, Bench
 
@@ -15,7 +15,7 @@ def test_images_get_fail_safe_values_until_they_are_handed_back(ros_nodes: Any) 
     bench = Bench(ros_nodes)
     digital = bench.collect('digital_outputs', UInt8MultiArray, EVERY_STATE, lambda m: list(m.data))
     analog = bench.collect('analog_outputs', Float64MultiArray, EVERY_STATE, lambda m: list(m.data))
-    left = LeftOutputs(bench.peer, {'digital_output.2': None, 'analog_output.2': 2.5})
+    left = OrphanedOutputs(bench.peer, {'digital_output.2': None, 'analog_output.2': 2.5})
     left.take_over({'digital': UInt8MultiArray(data=[1, 1, 0]), 'analog': Float64MultiArray(data=[7.0, 0.0])})
     bench.wait(lambda: digital and analog, 'the images')
     assert (digital, analog) == ([[0, 1, 0]], [[0.0, 2.5]])

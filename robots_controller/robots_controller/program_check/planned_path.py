@@ -1,4 +1,4 @@
-"""PlannedWay: where a motion that goes around obstacles will lead the robot, before anything moves."""
+"""PlannedPath: where a motion that goes around obstacles will lead the robot, before anything moves."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from robots_planning.pathplanning import PathPlanning
 
 
 @dataclass(frozen=True)
-class PlannedWay:
-    """The way of a motion with `avoid`.
+class PlannedPath:
+    """The path of a motion with `avoid`.
 
     Attributes:
         file: The program or subprogram.
         line: Of the motion.
-        text: Its way and the smallest distance on it, for a person.
+        text: Its path and the smallest distance on it, for a person.
     """
 
     file: str
@@ -30,8 +30,8 @@ class PlannedWay:
         return f'{self.file}:{self.line}: {self.text}'
 
 
-def planned_way(planning: PathPlanning, motion: SimulatedMotion) -> PlannedWay:
-    """The way of a motion that was planned.
+def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> PlannedPath:
+    """The path of a motion that was planned.
 
     Args:
         planning: Of the robot, with what is around it.
@@ -55,4 +55,4 @@ def planned_way(planning: PathPlanning, motion: SimulatedMotion) -> PlannedWay:
         closest = planning.collision.closest_approach(JointPath(times, *trajectory.sample(times)))
         if closest is not None:
             text += f'; smallest distance: {closest.proximity.describe()} after {closest.time - start:.2f} s'
-    return PlannedWay(motion.file, command.line, text)
+    return PlannedPath(motion.file, command.line, text)

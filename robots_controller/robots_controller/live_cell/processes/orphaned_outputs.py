@@ -1,4 +1,4 @@
-"""LeftOutputs: publishes fail-safe outputs from the death of the program's node to its restart."""
+"""OrphanedOutputs: publishes fail-safe outputs from the death of the program's node to its restart."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,7 +10,7 @@ from robots_controller.io.io_image import Channel, Kind
 from robots_core.ros.qos import make_publisher
 
 
-class LeftOutputs:
+class OrphanedOutputs:
     """Writes the images of outputs while the node that owns them is dead, and never beside it.
 
     Args:

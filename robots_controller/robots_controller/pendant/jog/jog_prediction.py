@@ -1,4 +1,4 @@
-"""JogOutlook: what will stop a jog, before it does."""
+"""JogPrediction: what will stop a jog, before it does."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ STEP: Final = 0.1  # s
 
 
 @dataclass(frozen=True)
-class Ahead:
-    """What comes.
+class PredictedStop:
+    """What will stop or slow a jog, and when.
 
     Attributes:
-        time: In which it stops or slows the jog, s.
-        limits: What does, as in `TeachStep`: 'A2 position upper', 'A5 velocity lower', or out of reach.
+        time: Until then, s.
+        limits: What it is, as in `TeachStep`: 'A2 position upper', 'A5 velocity lower', or out of reach.
     """
 
     time: float
     limits: tuple[str, ...]
 
 
-class JogOutlook:
+class JogPrediction:
     """Continues a jog as the teach box will, some seconds ahead, in steps that are coarse and fast.
 
     An instance keeps scratch memory: use one per thread.
@@ -45,7 +45,9 @@ class JogOutlook:
         self._robot = robot
         self._box = lru_cache(1)(self._make_box)
 
-    def ahead(self, jog: JogCommand, q: Array, speeds: JogSpeeds, settings: MotionSettings) -> Ahead | None:
+    def ahead(
+        self, jog: JogCommand, q: Array, speeds: JogSpeeds, settings: MotionSettings
+    ) -> PredictedStop | None:
         """What the jog will meet; None for nothing within `HORIZON`.
 
         Args:
@@ -64,7 +66,7 @@ class JogOutlook:
                 box.jog_tool(jog.twist(speeds), time, jog.tool_frame)
             step = box.step(time)
             if step.limits:
-                return Ahead(time, step.limits)
+                return PredictedStop(time, step.limits)
             time += STEP
         return None
 
