@@ -1,4 +1,4 @@
-"""FreePathSearch: a certified way between postures around all that is in the way."""
+"""FreePathSearch: a certified path between postures around all that is in the way."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ POSTURES_PER_SECOND: Final = 25_000
 PAIRS: Final = 8000  # of solids that a posture of the budget has at most; one with more counts as several
 SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 5 ms
 CAPACITY: Final = 1024  # rows of a tree at first
-# Changes of a way that are tried to make it take less time, and postures after which no more are: at first,
+# Changes of a path that are tried to make it take less time, and postures after which no more are: at first,
 # to compare it with another one, and afterwards.
 FIRST_CHANGES: Final = 20, 400
 CHANGES: Final = 60, 1100
-DETOUR: Final = 1.8  # of the straight motion's time; a way that takes longer is worth a second search,
+DETOUR: Final = 1.8  # of the straight motion's time; a path that takes longer is worth a second search,
 SECOND_SEARCH: Final = 1500  # which may look at so many postures
 MOST_BLOCKING: Final = 3  # pairs that a refusal names
-# How far beyond start and target postures are sampled, rad (m): close by first, where short ways are, and
+# How far beyond start and target postures are sampled, rad (m): close by first, where short paths are, and
 # farther away with the number of postures in vain.
 AROUND, WIDEST = 1.0, np.pi
 TWICE_AS_WIDE: Final = 1000  # postures
 
 
 class NoFreePathError(PlanningError):
-    """The search has found no way within its budget, which does not mean that there is none."""
+    """The search has found no path within its budget, which does not mean that there is none."""
 
     code = 'R305'
-    remedy = 'Give a point on the way, or a larger budget of the search (`docs/how_to/collisions.md`).'
+    remedy = 'Command an intermediate point, or a larger budget of the search (`docs/how_to/collisions.md`).'
 
 
 class SearchCancelledError(PlanningError):
-    """Somebody has given the motion up."""
+    """The motion was given up while its path was searched for."""
 
     code = 'R306'
-    remedy = 'Nothing: the motion was given up by whoever commanded it.'
+    remedy = 'None is needed: its commander has given the motion up.'
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +64,12 @@ class FreePathSearch:
     The result depends on start, targets, scene, margin and seed alone: the budget counts postures, not time,
     the speed limits are the robot's own, and what is computed of angles decides only between yes and no.
 
-    A detour is searched for once more, in a small part of the budget, and the faster of the two ways is kept.
+    A detour is searched for once more, in a small part of the budget, and the faster of both paths is kept.
 
     Args:
         robot: The robot.
         detection: Of the robot in its scene.
-        margin: Distance that the way keeps, m, from 0.
+        margin: Distance that the path keeps, m, from 0.
         budget: Longest search, s, at `POSTURES_PER_SECOND`.
         seed: Of the random numbers, from 0.
     """
@@ -87,11 +87,11 @@ class FreePathSearch:
         self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
         self._detection, self._margin = detection, margin
         self._budget, self._seed = budget, seed
-        # In this norm, a way's length is about its time.
+        # In this norm, a path's length is about its time.
         self._weights = axes.velocity.max() / axes.velocity
 
     def path(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreePath:
-        """A fast way from a free posture to one of several, the first that a free line leads to if any.
+        """A fast path from a free posture to one of several, the first that a free line leads to if any.
 
         Args:
             start: (n,) rad (m).
@@ -117,8 +117,8 @@ class FreePathSearch:
         random: Random = np.array([self._seed], dtype=np.uint64)
 
         def found(budget: float) -> Array:
-            way = self._searched(kept, ends, random, cancelled, budget)
-            return self._shortened(kept, way, FIRST_CHANGES, random)
+            path = self._searched(kept, ends, random, cancelled, budget)
+            return self._shortened(kept, path, FIRST_CHANGES, random)
 
         path = found(self._budget)
         if self._time(path) > DETOUR * self._time(path[[0, -1]]):
@@ -199,15 +199,15 @@ class FreePathSearch:
             pair_names = self._detection.names(int(pair))
             names[pair_names] = names.get(pair_names, 0) + int(blocked[pair])
         most = sorted(names, key=lambda pair: -names[pair])[:MOST_BLOCKING]
-        way = np.abs(trees[0][0][int(closest[1])] - trees[1][0][int(closest[2])])
-        axis = int(np.argmax(way))
+        apart = np.abs(trees[0][0][int(closest[1])] - trees[1][0][int(closest[2])])
+        axis = int(np.argmax(apart))
         name, unit = self._axes.names[axis], self._axes.unit(axis)
         blocking = ', '.join(f'{a} by {b}' for a, b in most)
         return NoFreePathError(
             f'no free path found within a budget of {self._budget:g} s: the searches from start and target '
-            f'come within {way[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
+            f'come within {apart[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
             joint=name,
-            gap=float(way[axis]),
+            gap=float(apart[axis]),
             blocking='; '.join(f'{a} - {b}' for a, b in most),
         )
 

@@ -28,7 +28,7 @@ Random = NDArray[np.uint64]
 """State of a generator of random numbers, (1,)."""
 
 RANGE = 1.2  # of one edge, in the weighted norm
-STRAIGHT = 0.2  # of the axes of a sample, which lie where the straight way to a target has them
+STRAIGHT = 0.2  # of the axes of a sample, which lie where the straight line to a target has them
 LARGEST_CUT = 0.49  # of a line at one of its ends that a rounded corner replaces; the rest separates corners
 CORNER = 0.75  # curvature in the middle of a rounded corner, of the turn over the length that it cuts
 SHORTCUTS = 0.4  # of all tries; the others move a posture
@@ -128,7 +128,7 @@ def grow(
     while work[0] < until and counts.max() < capacity:
         a = 0 if counts[0] <= counts[1] else 1
         tree, other = trees[a], trees[1 - a]
-        # More of them near the ends and with some axes on the straight way, where short ways are.
+        # More of them near the ends and with some axes on the straight line, where short paths are.
         reach, along = uniform(random), uniform(random)
         target = 1 + int((len(ends) - 1) * uniform(random))
         for axis in range(n):

@@ -111,7 +111,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         """The certified path from a posture to a target.
 
         Raises:
-            NoFreePathError: no way was found; names the bodies in the way.
+            NoFreePathError: no path was found; names the bodies in the way.
             BlockedPostureError: start or target collides, or the target is too close to something.
             PlanningError: the motion goes nowhere, or was given up.
         """
