@@ -90,9 +90,9 @@ function circCartesianSpace(via, target, options) end
 function splineCartesianSpace(...) end
 
 ---Moves the tool on a straight line, relative to the last target.
----@param x number way along x (m)
----@param y number way along y (m)
----@param z number way along z (m)
+---@param x number displacement along x (m)
+---@param y number displacement along y (m)
+---@param z number displacement along z (m)
 ---@param phi1 number turn by orientation angle 1 (deg)
 ---@param phi2 number turn by orientation angle 2 (deg)
 ---@param phi3 number turn by orientation angle 3 (deg)
@@ -102,12 +102,12 @@ function splineCartesianSpace(...) end
 function linearRelative(x, y, z, phi1, phi2, phi3, frame, options) end
 
 ---Moves all axes together by joint angles, relative to the last target.
----@param q1 number way of the joint, in metres for a sliding axis (deg (m))
----@param q2 number way of the joint, in metres for a sliding axis (deg (m))
----@param q3 number way of the joint, in metres for a sliding axis (deg (m))
----@param q4 number way of the joint, in metres for a sliding axis (deg (m))
----@param q5 number way of the joint, in metres for a sliding axis (deg (m))
----@param q6 number way of the joint, in metres for a sliding axis (deg (m))
+---@param q1 number displacement of the joint, in metres for a sliding axis (deg (m))
+---@param q2 number displacement of the joint, in metres for a sliding axis (deg (m))
+---@param q3 number displacement of the joint, in metres for a sliding axis (deg (m))
+---@param q4 number displacement of the joint, in metres for a sliding axis (deg (m))
+---@param q5 number displacement of the joint, in metres for a sliding axis (deg (m))
+---@param q6 number displacement of the joint, in metres for a sliding axis (deg (m))
 ---@param options? JointOptions
 ---@overload fun(q1: number, q2: number, q3: number, options?: JointOptions)
 ---@overload fun(q1: number, q2: number, q3: number, q4: number, options?: JointOptions)
@@ -305,9 +305,9 @@ function inverse(pose) end
 
 ---Shifts and turns a pose along the axes of the base or, with 'tool', along its own.
 ---@param pose Pose|number[] pose to start from
----@param x number way along x (m)
----@param y number way along y (m)
----@param z number way along z (m)
+---@param x number displacement along x (m)
+---@param y number displacement along y (m)
+---@param z number displacement along z (m)
 ---@param phi1? number turn by orientation angle 1 (deg)
 ---@param phi2? number turn by orientation angle 2 (deg)
 ---@param phi3? number turn by orientation angle 3 (deg)

@@ -75,13 +75,13 @@ def test_a_walk_plans_the_way_and_reports_lines_that_collide_with_it(tmp_path: P
     line = 'setAvoid(true)\nlocal p = forwardKinematics(15, -70, 90, 0, 70, 0)\nptpCartesianSpace(p)\n'
     program.write_text(THERE + AROUND + line)
     result = walk_program(program, robot=ROBOT, scene=scene)
-    (way,) = map(str, result.ways)
+    (path,) = map(str, result.paths)
     found = re.fullmatch(
         r'walked.lua:2: ptpJointSpaceAngles: goes around via \(.* deg\), [\d.]+ s; smallest distance: '
         r'\S+ comes to ([\d.]+) mm from post after [\d.]+ s',
-        way,
+        path,
     )
-    assert found is not None, way
+    assert found is not None, path
     assert 5.0 <= float(found[1]) < 100.0
     (problem,) = map(str, result.problems)
     assert problem.startswith('walked.lua:5: ptpCartesianSpace: the motion collides: ')

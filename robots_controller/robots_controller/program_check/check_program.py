@@ -92,8 +92,8 @@ def _walk(
         workers=os.cpu_count() or 1,
     )
     left_out = '' if result.walked == result.possible else f' of {result.possible}; --combinations for more'
-    for way in result.ways:
-        print(way, file=sys.stderr)
+    for path in result.paths:
+        print(path, file=sys.stderr)
     print(
         f'{program}: walked with {_counted(result.walked, "combination")} of inputs{left_out}',
         file=sys.stderr,

@@ -33,13 +33,13 @@ class WalkResult:
         problems: By file and line; each with the combinations of inputs that lead to it.
         walked: Number of combinations that were walked.
         possible: Number of combinations that there are.
-        ways: What motions with `avoid` take, by file and line.
+        paths: Of motions with `avoid`, by file and line.
     """
 
     problems: tuple[ProgramProblem, ...]
     walked: int
     possible: int
-    ways: tuple[PlannedPath, ...] = ()
+    paths: tuple[PlannedPath, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -105,12 +105,12 @@ def walk_program(
     else:
         walks += map(walk, left)
     problems = tuple(_together(combinations, [problems for problems, _ in walks]))
-    ways = dict.fromkeys(way for _, ways in walks for way in ways)
+    paths = dict.fromkeys(path for _, paths in walks for path in paths)
     return WalkResult(
         problems,
         len(combinations),
         len(everything),
-        tuple(sorted(ways, key=lambda way: (way.file, way.line))),
+        tuple(sorted(paths, key=lambda path: (path.file, path.line))),
     )
 
 
@@ -139,7 +139,7 @@ def _walk(
     cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
-    ways: list[PlannedPath] = []
+    paths: list[PlannedPath] = []
     for motion in run.motions:
         if motion.plan is None:
             continue
@@ -153,12 +153,12 @@ def _walk(
             )
         )
         if error is None and motion.settings.avoid and not command.kind.cartesian:
-            ways.append(planned_path(planning, motion))
+            paths.append(planned_path(planning, motion))
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
     if run.error is not None:
         found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
-    return list(found), ways
+    return list(found), paths
 
 
 def _script(io: Path | str) -> PlcScript:

@@ -61,7 +61,7 @@ OFF_LINE: Final = Column(
 )
 OFF_PATH: Final = Column('measured off path mm', lambda item: number(1e3 * item.path_deviation, 3))
 LAG: Final = Column('lag mm', lambda item: number(1e3 * item.lag, 2))
-WAY: Final = Column('way m', lambda item: number(item.length, 3))
+LENGTH: Final = Column('path m', lambda item: number(item.length, 3))
 CLOSEST: Final = Column('closest mm', lambda item: number(1e3 * item.closest, 1), optional=True)
 FASTEST: Final = Column('top m/s', lambda item: number(item.fastest, 2))
 ENERGY: Final = Column('energy kJ', lambda item: number(item.energy / 1e3, 2))
@@ -75,9 +75,9 @@ USES: Final = tuple(Column(quantity, _use(quantity)) for quantity in QUANTITIES)
 
 VERDICT: Final = (KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, *USES)
 """Of `cell` and `simulate`."""
-SUMMARY: Final = (PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, WAY, ENERGY, DECIDING)
+SUMMARY: Final = (PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, LENGTH, ENERGY, DECIDING)
 """Of `report` in the terminal."""
 PAGE: Final = (
-    KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, WAY, FASTEST, DECIDING, SHARE, *USES,
+    KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, LENGTH, FASTEST, DECIDING, SHARE, *USES,
     ENERGY,
 )  # fmt: skip

@@ -6,11 +6,14 @@ from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.lua_function import Argument
 
 
-def six_numbers(way: str, turn: str, *, only_way: bool = False) -> tuple[Argument, ...]:
-    """Position and orientation angles of a pose; with `only_way` the angles may be left out."""
+def six_numbers(shift: str, turn: str, *, optional_turn: bool = False) -> tuple[Argument, ...]:
+    """Position and orientation angles of a pose; with `optional_turn` the angles may be left out."""
     return (
-        *(Argument(axis, kinds.NUMBER, 'm', way.format(axis)) for axis in 'xyz'),
-        *(Argument(f'phi{i}', kinds.NUMBER, 'deg', turn.format(i), optional=only_way) for i in (1, 2, 3)),
+        *(Argument(axis, kinds.NUMBER, 'm', shift.format(axis)) for axis in 'xyz'),
+        *(
+            Argument(f'phi{i}', kinds.NUMBER, 'deg', turn.format(i), optional=optional_turn)
+            for i in (1, 2, 3)
+        ),
     )
 
 

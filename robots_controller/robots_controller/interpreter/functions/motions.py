@@ -78,25 +78,29 @@ class Motions(Family):
         """Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}."""
         return self._move('splineCartesianSpace', options, path=poses)
 
-    @lua_function(*six_numbers('way along {}', 'turn by orientation angle {}'), WHOSE_AXES)
-    def linearRelative(self, *way_and_frame: Any, options: MotionOptions) -> Waiting:
+    @lua_function(*six_numbers('displacement along {}', 'turn by orientation angle {}'), WHOSE_AXES)
+    def linearRelative(self, *shift_and_frame: Any, options: MotionOptions) -> Waiting:
         """Moves the tool on a straight line, relative to the last target."""
         if not self._run.target.known:
             yield from self.standstill()
-        *way, frame = way_and_frame
-        pose = moved(self._run.target.pose(), self._run.view.pose(way), frame)
+        *shift, frame = shift_and_frame
+        pose = moved(self._run.target.pose(), self._run.view.pose(shift), frame)
         return (yield from self._move('linearRelative', options, pose=pose))
 
     @lua_function(
         Argument(
-            'q', kinds.NUMBER, 'deg (m)', 'way of the joint, in metres for a sliding axis', per_axis=True
+            'q',
+            kinds.NUMBER,
+            'deg (m)',
+            'displacement of the joint, in metres for a sliding axis',
+            per_axis=True,
         )
     )
-    def ptpJointSpaceAnglesRelative(self, *way: float, options: MotionOptions) -> Waiting:
+    def ptpJointSpaceAnglesRelative(self, *shift: float, options: MotionOptions) -> Waiting:
         """Moves all axes together by joint angles, relative to the last target."""
         if not self._run.target.in_joints:
             yield from self.standstill()
-        q = read_only(self._run.target.joints() + np.array(way))
+        q = read_only(self._run.target.joints() + np.array(shift))
         return (yield from self._move('ptpJointSpaceAnglesRelative', options, q=q))
 
     def _move(

@@ -39,15 +39,15 @@ class Poses(Family):
 
     @lua_function(
         Argument('pose', kinds.POSE, '', 'pose to start from'),
-        *six_numbers('way along {}', 'turn by orientation angle {}', only_way=True),
+        *six_numbers('displacement along {}', 'turn by orientation angle {}', optional_turn=True),
         WHOSE_AXES,
         returns=A_POSE,
     )
-    def offset(self, start: Sequence[float], *way_and_frame: Any) -> Result:
+    def offset(self, start: Sequence[float], *shift_and_frame: Any) -> Result:
         """Shifts and turns a pose along the axes of the base or, with 'tool', along its own."""
-        *way, frame = way_and_frame
+        *shift, frame = shift_and_frame
         pose = self._run.view.pose
-        return (self._run.shown(moved(pose(start), pose([value or 0.0 for value in way]), frame)),)
+        return (self._run.shown(moved(pose(start), pose([value or 0.0 for value in shift]), frame)),)
 
     @lua_function(
         Argument('first', kinds.POSE, '', 'pose at the first place'),
@@ -62,22 +62,22 @@ class Poses(Family):
     def grid(self, first: Sequence[float], *ends: Any) -> Result:
         """Lays out a palette: its places row by row, layer by layer, all oriented as the first."""
         start = self._run.view.pose(first)
-        ways, counts = [], []
+        steps, counts = [], []
         for name, end, count in zip(('columns', 'rows', 'layers'), ends[::2], ends[1::2], strict=True):
             if (end is None) is not (count is None):
                 raise ProgramError(f'{name} need both a number and the pose at their end')
-            way = start.r - start.r if end is None else self._run.view.pose(end).r - start.r
+            side = start.r - start.r if end is None else self._run.view.pose(end).r - start.r
             counts.append(int(count or 1))
-            ways.append(way / max(counts[-1] - 1, 1))
+            steps.append(side / max(counts[-1] - 1, 1))
         if (places := counts[0] * counts[1] * counts[2]) > MOST_PLACES:
             raise ProgramError(f'{places} places; valid are at most {MOST_PLACES}')
-        steps = itertools.product(*(range(count) for count in reversed(counts)))
+        indices = itertools.product(*(range(count) for count in reversed(counts)))
         return tuple(
-            self._run.shown(Pose(start.r + i * ways[0] + j * ways[1] + k * ways[2], start.T))
-            for k, j, i in steps
+            self._run.shown(Pose(start.r + i * steps[0] + j * steps[1] + k * steps[2], start.T))
+            for k, j, i in indices
         )
 
 
-def moved(start: Pose, way: Pose, frame: str | None) -> Pose:
+def moved(start: Pose, shift: Pose, frame: str | None) -> Pose:
     """A pose shifted and turned along the axes of the base or, for 'tool', along its own."""
-    return start @ way if frame == 'tool' else Pose(start.r + way.r, way.T @ start.T)
+    return start @ shift if frame == 'tool' else Pose(start.r + shift.r, shift.T @ start.T)

@@ -25,7 +25,7 @@ class ForceControlSettings:
         press_speed: Highest speed of pressing, m/s, also towards what is pressed.
         drive_speed: Highest speed of driving, m/s.
         acceleration: Of driving, m/s^2.
-        travel: Longest way along `press` from where it begins, m.
+        travel: Longest travel along `press` from where it begins, m.
         force_limit: Largest force on the tool, N.
         contact_force: Force from which the tool touches something, N.
         timeout: Without a measured force for this long there is none, s.
@@ -91,7 +91,7 @@ class ForceControl:
         self.begin()
 
     def begin(self) -> None:
-        """Start from a tool that stands; the way along `press` counts from here."""
+        """Start from a tool that stands; the travel along `press` counts from here."""
         self.travel = 0.0
         """Way along `press` so far, m."""
         self._driven = 0.0
@@ -119,7 +119,7 @@ class ForceControl:
             speed: To drive with, m/s; approached with the acceleration.
 
         Raises:
-            InvalidInputError: as `check`, a force that is not finite, or the way along `press` has come to
+            InvalidInputError: as `check`, a force that is not finite, or the travel along `press` has come to
                 its end.
         """
         self.check(wanted, speed)
