@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from robots_core.periodic.watchdog import LOOKS
+from robots_core.periodic.watchdog import CHECKS
 from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
 from robots_core.ros.running.executor_watch import ExecutorWatch
 from robots_core.ros.running.lean_executor import LeanExecutor
@@ -26,26 +26,31 @@ def test_a_node_that_was_started_anew_was_lost_although_nobody_has_missed_it(ros
     )
     node = ros_nodes.add(TimedNode('drive', context=ros_nodes.context))
     first = Heartbeat(node)
-    # LOOKS looks within the timeout are too few for a test.
-    look = watcher.create_timer(0.01, watch._look)
+    # As many checks as CHECKS within the timeout are too few for a test.
+    timer = watcher.create_timer(0.01, watch._check)
     ros_nodes.wait_for(lambda: watch._processes, what='the first sign of life')
     assert (changes, seen) == ([], ['drive'])
     first.stop()
     second = Heartbeat(node)
     ros_nodes.wait_for(lambda: len(changes) == 2, what='both changes')
     second.stop()
-    look.cancel()
+    timer.cancel()
     assert changes == [('drive', 'drive has died and was started anew'), ('drive', '')]
     assert seen == ['drive']
     assert watch.lost == ()
 
 
-def test_the_next_look_comes_when_the_silence_is_as_long_as_the_timeout(ros_nodes: Any) -> None:
+def test_the_next_check_comes_when_the_silence_is_as_long_as_the_timeout(ros_nodes: Any) -> None:
     watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
     watch = HeartbeatWatch(watcher, ['drive'], LONG, lambda *_: None)
-    # Nothing is silent, or for longer than a regular look; soon; at once.
-    for remaining, seconds in ((math.inf, LONG / LOOKS), (0.5 * LONG, LONG / LOOKS), (5.0, 5.0), (0.0, 1.5)):
-        watch._look_again(remaining)
+    # Nothing is silent, or for longer than a regular check; soon; at once.
+    for remaining, seconds in (
+        (math.inf, LONG / CHECKS),
+        (0.5 * LONG, LONG / CHECKS),
+        (5.0, 5.0),
+        (0.0, 1.5),
+    ):
+        watch._check_again(remaining)
         assert 1e-9 * watch._timer.timer_period_ns == pytest.approx(seconds, abs=1e-8)  # whole nanoseconds
 
 
@@ -63,7 +68,7 @@ def test_a_node_whose_callback_does_not_return_is_lost_until_it_does(ros_nodes: 
 
     thread = threading.Thread(target=spin)
     thread.start()
-    heartbeat = Heartbeat(node, ExecutorWatch(executor, hung.set, timeout=0.5).look)
+    heartbeat = Heartbeat(node, ExecutorWatch(executor, hung.set, timeout=0.5).check)
     try:
         ros_nodes.wait_for(lambda: not watch.unseen, what='the first sign of life')
         executor.create_task(returns.wait)

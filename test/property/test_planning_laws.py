@@ -32,7 +32,7 @@ def positions(robot: BaseRobotModel, parts: list[float]) -> np.ndarray:
 
 
 def check_every_instant(trajectory: Trajectory, robot: BaseRobotModel) -> None:
-    """Limits and rest, without `verify`: another look with plain differences."""
+    """Limits and rest, without `verify`: another check with plain differences."""
     axes = robot.axes_data
     t = np.arange(-2, int(trajectory.duration / FINE) + 4) * FINE
     q, q_dot, q_ddot = trajectory.sample(t)

@@ -42,7 +42,7 @@ def test_a_span_has_the_references_of_its_periods(
         for number, expected in enumerate(span.references):
             now += period
             assert before is not None
-            assert ahead.look(now, before[0], before)
+            assert ahead.check(now, before[0], before)
             before = stepped.step(now, before[0])
             assert before is not None
             assert before.tobytes() == expected.tobytes()

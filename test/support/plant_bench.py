@@ -27,7 +27,7 @@ class PlantBench:
         self._woken = threading.Event()
         self.now = 0.0
         """Handed in as the time, s."""
-        self.looks = 0
+        self.checks = 0
         """How often an input's value was asked for: after each arrival, and when it may change without."""
         self.told: list[str] = []
         self.outputs: dict[str, float] = {}
@@ -59,7 +59,7 @@ class PlantBench:
         """What the node does once."""
         for channel, value in self.bridge.take_inputs(self.now):
             self.inputs[channel.name] = value
-            self.looks += 1
+            self.checks += 1
         for port in self.ports.values():
             self.told += port.news()
 

@@ -109,11 +109,11 @@ def run_into(tmp_path: Path, text: str, *coming: tuple[float, SceneObject]) -> S
     parts = cell_parts(tmp_path / 'program.lua', robot=ROBOT, scene=tmp_path / 'scene.yaml')
     waiting = list(coming)
 
-    def look(time: float, _line: int) -> None:
+    def check(time: float, _line: int) -> None:
         if waiting and time >= waiting[0][0]:
             cell.set_scene(Scene((waiting.pop(0)[1],)))
 
-    cell = SimulatedCell(parts, drive='ideal', longest=60.0, on_progress=look)
+    cell = SimulatedCell(parts, drive='ideal', longest=60.0, on_progress=check)
     return cell.run()
 
 

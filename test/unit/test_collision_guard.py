@@ -65,7 +65,7 @@ def test_a_place_on_the_path_stops_the_robot_once_when_it_is_near(guard: Collisi
     guard.planned('a', move(0.0, 1.2))
     danger = guard.motions['a'].danger
     assert danger is not None
-    status = guard.look(turned(0.0), STILL).status
+    status = guard.check(turned(0.0), STILL).status
     assert (status.level, status.values['ahead']) == (Level.WARN, danger.describe())
     guard.progress((danger.time - 1.1) / 10.0)
     assert not stops.reasons
@@ -111,24 +111,24 @@ def test_an_object_that_comes_into_the_path_stops_the_motion(guard: CollisionGua
 def test_a_robot_that_leaves_its_path_is_stopped(guard: CollisionGuard, stops: Stops):
     guard.set_scene(ball(1.0))
     guard.planned('a', move(0.0, -0.5, 2.0))
-    guard.look(turned(0.0), STILL)
+    guard.check(turned(0.0), STILL)
     assert not stops.reasons
-    assert guard.look(turned(1.0), STILL).status.level is Level.ERROR
+    assert guard.check(turned(1.0), STILL).status.level is Level.ERROR
     assert len(stops.reasons) == 1
 
 
 def test_a_robot_without_a_path_is_stopped_while_it_can_brake(guard: CollisionGuard, stops: Stops):
     guard.set_scene(ball(1.0))
     jogging = np.array([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
-    guard.look(turned(0.3), jogging)
-    near = next(turned(a) for a in np.arange(0.3, 1.0, 0.01) if guard.look(turned(a), STILL).distance < 0.03)
-    guard.look(near, -jogging)
-    guard.look(near, None)
+    guard.check(turned(0.3), jogging)
+    near = next(turned(a) for a in np.arange(0.3, 1.0, 0.01) if guard.check(turned(a), STILL).distance < 0.03)
+    guard.check(near, -jogging)
+    guard.check(near, None)
     assert not stops.reasons  # far away, leaving, or not known to move
-    guard.look(near, jogging)
+    guard.check(near, jogging)
     assert len(stops.reasons) == 1
     assert guard.stopping
-    guard.look(near, -jogging)
+    guard.check(near, -jogging)
     assert not guard.stopping
 
 
@@ -139,10 +139,10 @@ def test_a_robot_that_is_too_close_may_be_jogged_away(
     guard.set_scene(ball(1.0))
     slow = np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
     angles = np.arange(0.3, 1.0, 1e-4)
-    near = next(turned(a) for a in angles if guard.look(turned(a), STILL).distance <= distance)
-    guard.look(near, -slow)  # away
+    near = next(turned(a) for a in angles if guard.check(turned(a), STILL).distance <= distance)
+    guard.check(near, -slow)  # away
     assert not stops.reasons
-    guard.look(near, slow)
+    guard.check(near, slow)
     assert len(stops.reasons) == stopped
 
 
@@ -150,19 +150,19 @@ def test_a_robot_that_is_too_close_may_be_jogged_away(
 def test_an_object_that_comes_into_contact_with_a_guided_robot_stops_it(
     guard: CollisionGuard, stops: Stops, radius: float
 ):
-    guard.look(turned(0.5), STILL)
+    guard.check(turned(0.5), STILL)
     guard.set_scene(ball(0.5, radius))
-    guard.look(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    guard.check(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
     assert len(stops.reasons) == 1
-    guard.look(turned(0.5), STILL)  # from here on it may be led away
-    guard.look(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    guard.check(turned(0.5), STILL)  # from here on it may be led away
+    guard.check(turned(0.5), np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
     assert len(stops.reasons) == 1
 
 
 def test_a_new_scene_is_looked_at_where_the_robot_stands(guard: CollisionGuard, stops: Stops):
-    before = guard.look(turned(0.0), STILL)
+    before = guard.check(turned(0.0), STILL)
     guard.set_scene(ball(0.0))
-    inside = guard.look(turned(0.0), STILL)
+    inside = guard.check(turned(0.0), STILL)
     assert before.distance > inside.distance == 0.0
     assert 'link_6/flange - ball' in str(inside.status.values['contacts'])
     assert not stops.reasons  # a robot that stands
@@ -194,8 +194,8 @@ def test_measured_velocities_that_no_robot_has_are_looked_at_as_its_limits(
     guard: CollisionGuard, stops: Stops
 ):
     guard.set_scene(ball(1.0))
-    guard.look(turned(0.5), np.full(6, 1e300))
-    guard.look(turned(0.5), np.array([1e6, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    guard.check(turned(0.5), np.full(6, 1e300))
+    guard.check(turned(0.5), np.array([1e6, 0.0, 0.0, 0.0, 0.0, 0.0]))
     assert 'ball' in stops.reasons[-1]
 
 
@@ -203,6 +203,6 @@ def test_bad_values_are_refused(guard: CollisionGuard, stops: Stops):
     bad: Any = np.full(6, np.nan)
     for q, q_dot in ((bad, None), (turned(0.0), bad)):
         with pytest.raises(InvalidInputError):
-            guard.look(q, q_dot)
+            guard.check(q, q_dot)
     with pytest.raises(InvalidInputError, match='margin'):
         CollisionGuard(DETECTION, stops, margin=-1.0)

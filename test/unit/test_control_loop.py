@@ -38,7 +38,7 @@ class Rig:
         self.loop = ControlLoop(
             Controller(AXES, settings), rates, self, progress_every=progress_every, **options
         )
-        self.looks = 0
+        self.checks = 0
         self.q = START
         self.run(1)
 
@@ -71,7 +71,7 @@ class Rig:
 
     def run(self, periods: int) -> None:
         for _ in range(periods):
-            self.looks += self.loop.feedback_due
+            self.checks += self.loop.feedback_due
             reference = self.loop.step(self.now, self.q if self.loop.feedback_due else None)
             assert reference is not None
             self.q = reference[0].copy()
@@ -282,11 +282,11 @@ def test_a_stream_is_followed_and_ends_with_a_result(rig: Rig) -> None:
 
 def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
     rig.run(100)
-    rig.looks = 0
+    rig.checks = 0
     rates = ControllerRates(1.0 / PERIOD, rig.loop.controller.settings.feedback_timeout)
     rig.loop.pass_over(3 * rates.holding_every)
     rig.run(rates.holding_every)
-    assert rig.looks == 1
+    assert rig.checks == 1
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     assert rig.run_until_result().ok
 

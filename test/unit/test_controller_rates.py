@@ -26,20 +26,20 @@ def robot() -> BaseRobotModel:
 @pytest.mark.parametrize('timeout', [0.02, 0.05, 0.5])
 def test_a_standing_robot_that_is_alive_is_never_lost(robot: BaseRobotModel, rate: float, timeout: float):
     if timeout * rate < 2.0:
-        timeout = 2.0 / rate  # no look can come more often than the cycles
+        timeout = 2.0 / rate  # no check can come more often than the cycles
     controller = Controller(robot.axes_data, ControllerSettings(period=1.0 / rate, feedback_timeout=timeout))
     rates = ControllerRates(rate, timeout)
     controller.step(0.0, robot.home)
-    looks = 0
+    checks = 0
     for cycle in range(1, round(SECONDS * rate)):
         due = rates.feedback_due(cycle, controller)
-        looks += due
+        checks += due
         controller.step(cycle / rate, robot.home if due else None)
         assert controller.state is ControllerState.HOLDING
         assert not controller._feedback.lost
     if timeout == 0.5:
-        # A look takes time that nothing else needs, so that there are no more than meant.
-        assert looks / SECONDS <= 1.1 * HOLDING_RATE < FEEDBACK_RATE
+        # A check takes time that nothing else needs, so that there are no more than meant.
+        assert checks / SECONDS <= 1.1 * HOLDING_RATE < FEEDBACK_RATE
 
 
 def test_a_robot_that_is_not_heard_of_is_lost(robot: BaseRobotModel):

@@ -36,11 +36,11 @@ class Rig:
     def _note(self) -> None:
         self.hung += 1
 
-    def look(self, duration: float, *, turning: bool) -> list[bool]:
+    def check(self, duration: float, *, turning: bool) -> list[bool]:
         found = []
         for _ in np.arange(0.0, duration, BEAT):
             self.now += BEAT
-            found.append(self.watch.look(self.now))
+            found.append(self.watch.check(self.now))
             if turning:
                 self.executor.turn()
         return found
@@ -48,36 +48,36 @@ class Rig:
 
 def test_an_executor_that_turns_is_alive_and_has_one_task_at_a_time() -> None:
     rig = Rig()
-    assert all(rig.look(20.0, turning=True))
+    assert all(rig.check(20.0, turning=True))
     assert rig.hung == 0
-    assert all(rig.look(0.5 * TIMEOUT, turning=False))
+    assert all(rig.check(0.5 * TIMEOUT, turning=False))
     assert len(rig.executor.tasks) == 1
 
 
 def test_a_callback_that_does_not_return_is_noticed_once_until_it_does() -> None:
     rig = Rig()
-    rig.look(1.0, turning=True)
-    alive = rig.look(4.0 * TIMEOUT, turning=False)
+    rig.check(1.0, turning=True)
+    alive = rig.check(4.0 * TIMEOUT, turning=False)
     silent = (alive.index(False) + 1) * BEAT
     assert TIMEOUT < silent < 1.5 * TIMEOUT
     assert not any(alive[alive.index(False) :])
     assert rig.hung == 1
     rig.executor.turn()
-    assert rig.look(1.0, turning=True)[-1]
-    rig.look(4.0 * TIMEOUT, turning=False)
+    assert rig.check(1.0, turning=True)[-1]
+    rig.check(4.0 * TIMEOUT, turning=False)
     assert rig.hung == 2
 
 
 def test_a_callback_may_take_longer_where_processes_share_processors() -> None:
     rig = Rig(share=0.25)
-    rig.look(1.0, turning=True)
-    assert all(rig.look(2.0 * TIMEOUT, turning=False))
-    assert not rig.look(4.0 * TIMEOUT, turning=False)[-1]
+    rig.check(1.0, turning=True)
+    assert all(rig.check(2.0 * TIMEOUT, turning=False))
+    assert not rig.check(4.0 * TIMEOUT, turning=False)[-1]
 
 
 def test_a_process_that_was_frozen_itself_is_not_hung() -> None:
     rig = Rig()
-    rig.look(1.0, turning=True)
+    rig.check(1.0, turning=True)
     rig.now += 60.0
-    assert all(rig.look(1.0, turning=True))
+    assert all(rig.check(1.0, turning=True))
     assert rig.hung == 0

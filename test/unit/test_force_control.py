@@ -118,7 +118,7 @@ class Sensor:
     def __init__(self) -> None:
         self.watch, self.now = ForceWatch(SETTINGS), 0.0
 
-    def looks(self, force: float | None, count: int = 1, *, controlled: bool) -> list[str]:
+    def checks(self, force: float | None, count: int = 1, *, controlled: bool) -> list[str]:
         found = []
         for _ in range(count):
             self.now += DT
@@ -131,36 +131,36 @@ class Sensor:
 def test_a_force_beyond_its_limit_is_a_problem_at_any_time() -> None:
     for controlled in (True, False):
         sensor = Sensor()
-        sensor.looks(0.0, controlled=controlled)
-        assert sensor.looks(-120.0, controlled=True) == ['']
-        (problem,) = sensor.looks(-130.0, controlled=controlled)
+        sensor.checks(0.0, controlled=controlled)
+        assert sensor.checks(-120.0, controlled=True) == ['']
+        (problem,) = sensor.checks(-130.0, controlled=controlled)
         assert problem == 'the force on the tool is 130.0 N; allowed are 120 N'
 
 
 def test_contact_may_begin_under_force_control_alone() -> None:
     sensor = Sensor()
-    assert sensor.looks(4.9, controlled=False) == ['']
-    (problem,) = sensor.looks(5.1, controlled=False)
+    assert sensor.checks(4.9, controlled=False) == ['']
+    (problem,) = sensor.checks(5.1, controlled=False)
     assert problem.startswith('contact that was not planned: the force on the tool is 5.1 N; ')
     sensor = Sensor()
-    sensor.looks(0.0, controlled=True)
-    assert sensor.looks(60.0, controlled=True) == ['']
+    sensor.checks(0.0, controlled=True)
+    assert sensor.checks(60.0, controlled=True) == ['']
     # Lifted without force control it leaves the contact, and may not come back.
-    assert sensor.looks(60.0, 5, controlled=False) == [''] * 5
-    assert sensor.looks(0.0, controlled=False) == ['']
-    assert sensor.looks(60.0, controlled=False) != ['']
+    assert sensor.checks(60.0, 5, controlled=False) == [''] * 5
+    assert sensor.checks(0.0, controlled=False) == ['']
+    assert sensor.checks(60.0, controlled=False) != ['']
 
 
 def test_a_silent_sensor_is_a_problem_under_force_control() -> None:
     sensor = Sensor()
-    assert sensor.looks(None, controlled=False) == ['']
-    assert sensor.looks(None, controlled=True) == ['no force was measured yet']
-    sensor.looks(10.0, controlled=True)
-    found = sensor.looks(None, 60, controlled=True)
+    assert sensor.checks(None, controlled=False) == ['']
+    assert sensor.checks(None, controlled=True) == ['no force was measured yet']
+    sensor.checks(10.0, controlled=True)
+    found = sensor.checks(None, 60, controlled=True)
     periods = round(SETTINGS.timeout / DT)
     assert found[: periods - 1] == [''] * (periods - 1)
     assert found[periods + 1 :] == ['no force was measured for 0.2 s'] * (59 - periods)
-    assert sensor.looks(10.0, controlled=True) == ['']
+    assert sensor.checks(10.0, controlled=True) == ['']
 
 
 def test_a_force_that_is_no_number_is_refused() -> None:

@@ -83,17 +83,17 @@ def test_an_arc_does_not_hand_the_robot_over(tmp_path: Path):
 
 
 def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
-    looks = iter([*np.linspace(0.0, 0.5, 8), *np.full(100, 0.5)])
-    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(looks)))
+    checks = iter([*np.linspace(0.0, 0.5, 8), *np.full(100, 0.5)])
+    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(checks)))
     assert host.run('followReference(0.001)') is None
-    assert next(looks) == 0.5  # the moving ones are over
-    assert len(list(looks)) < 100 - 3
+    assert next(checks) == 0.5  # the moving ones are over
+    assert len(list(checks)) < 100 - 3
 
 
 def test_a_robot_that_nobody_lets_go_of_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr('robots_controller.program.motions.guided_motion.LONGEST_BRAKING', 0.3)
-    looks = iter(np.linspace(0.0, 50.0, 1000))
-    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(looks)))
+    checks = iter(np.linspace(0.0, 50.0, 1000))
+    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(checks)))
     error = host.fails('\njog(0.001)')
     assert 'still moves 0.3 s after the end of TEACH; something else than the program' in str(error)
     assert error.line == 2

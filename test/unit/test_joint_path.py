@@ -60,7 +60,7 @@ def test_extremes_are_those_of_a_fine_look() -> None:
         x = np.linspace(0.0, h, 20001)
         largest = [np.abs(polynomial.deriv(order)(x)).max() for order in (1, 2, 3)]
         first, second, third = quintic_extremes(c, h)
-        # The second and third are exact; the look misses an extreme by its curvature times the step squared.
+        # The second and third are exact; the samples miss an extreme by its curvature times the step squared.
         np.testing.assert_allclose([second, third], largest[1:], rtol=1e-6)
         assert first <= largest[0] * (1.0 + 1e-6)
         assert first >= 0.9 * largest[0]

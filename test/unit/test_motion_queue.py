@@ -250,11 +250,11 @@ def test_the_queue_is_bounded(controller: Controller) -> None:
 def test_another_thread_may_look_at_the_motions_as_they_end(controller: Controller) -> None:
     run = Run(controller)
 
-    def look() -> None:
+    def check() -> None:
         assert None not in controller.motions
         assert controller.state in ControllerState
 
-    with repeating(look):
+    with repeating(check):
         for begin, end in [(START, CORNER), (CORNER, START)] * 100:
             controller.follow(move(begin, end), 'seen', run.now)
             run.until_holding()

@@ -120,8 +120,8 @@ def test_variables_that_do_not_change_are_not_silent(partner: OpcuaPartner, star
     for _ in range(3):
         bench.now += 0.9
         bench.step()
-        looks = bench.looks
-        bench.until(lambda before=looks: bench.looks > before, 'a sign of life')  # type: ignore[misc]
+        checks = bench.checks
+        bench.until(lambda before=checks: bench.checks > before, 'a sign of life')  # type: ignore[misc]
         assert bench.inputs['digital_input.1'] == 0.0
 
 

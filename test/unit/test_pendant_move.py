@@ -75,13 +75,13 @@ def test_a_motion_that_was_released_before_the_answer_is_not_sent(desk: Desk) ->
 
 
 def test_a_robot_that_still_moves_is_asked_for_again_until_it_must_stand(desk: Desk) -> None:
-    desk.move.look()  # there is no answer yet
+    desk.move.check()  # there is no answer yet
     desk.answers[0](MOVES)
-    desk.move.look()
-    desk.move.look()
+    desk.move.check()
+    desk.move.check()
     assert desk.calls == ['take', 'take']
     desk.time = STANDING_TIME
     desk.answers[1](MOVES)
-    desk.move.look()
+    desk.move.check()
     assert desk.calls == ['take', 'take']
     assert [str(error) for error in desk.ends] == [MOVES]

@@ -278,7 +278,7 @@ def test_outputs_switch_where_the_robot_is_on_the_path() -> None:
     send(driver, command)
     for part, switched in ((0.3, 0), (0.7, 1)):
         driver.q = planned.sample(np.array([part * planned.duration]))[0][0]
-        driver.motions.look(0.0)
+        driver.motions.check(0.0)
         assert len(driver.switched) == switched
 
 

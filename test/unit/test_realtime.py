@@ -144,20 +144,20 @@ def test_threads_that_can_run_for_a_moment_are_no_load_after_a_silence(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     class Load:
-        """Many threads can run at the first looks."""
+        """Many threads can run at the first checks."""
 
-        looks = 0
+        checks = 0
 
         def read_text(self) -> str:
-            self.looks += 1
-            return f'0.50 0.00 0.00 {41 if self.looks < 4 else 1}/200 4711\n'
+            self.checks += 1
+            return f'0.50 0.00 0.00 {41 if self.checks < 4 else 1}/200 4711\n'
 
     load = Load()
     monkeypatch.setattr(realtime, 'LOAD', load)
     monkeypatch.setattr(realtime, 'PRESSURE', tmp_path / 'none')
     monkeypatch.setattr(realtime, 'TASKS', tmp_path / 'none')
     assert processor_share_in_silence() == 1.0
-    assert load.looks == 4
+    assert load.checks == 4
 
 
 def test_a_loop_that_was_frozen_is_never_called_with_a_time_long_past(

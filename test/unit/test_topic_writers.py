@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_core.cell_interface.topic_writers import LOOK_PERIOD, SILENCE, WRITERS, WriterWatch
+from robots_core.cell_interface.topic_writers import CHECK_PERIOD, SILENCE, WRITERS, WriterWatch
 
 PERIOD = 0.004  # s
 
@@ -16,12 +16,12 @@ class Graph:
 
     def __init__(self, topic: str, **names: str) -> None:
         self.names = {identity.encode(): f'/cell/{name}' for identity, name in names.items()}
-        self.looks = 0
+        self.checks = 0
         self.said: list[str] = []
-        self.watch = WriterWatch(topic, '/cell/', self._look, self.said.append)
+        self.watch = WriterWatch(topic, '/cell/', self._check, self.said.append)
 
-    def _look(self) -> dict[bytes, str]:
-        self.looks += 1
+    def _check(self) -> dict[bytes, str]:
+        self.checks += 1
         return self.names
 
     def accepts(self, identity: str, now: float = 0.0) -> bool:
@@ -36,7 +36,7 @@ def test_the_first_writer_of_a_stream_keeps_its_place():
     assert set(graph.said) == {
         '/cell/other publishes joint_states beside /cell/driver; its messages are dropped'
     }
-    assert graph.looks <= 1000 * PERIOD / LOOK_PERIOD + 2  # it costs next to nothing
+    assert graph.checks <= 1000 * PERIOD / CHECK_PERIOD + 2  # it costs next to nothing
 
 
 def test_a_writer_without_a_name_yet_is_one():
@@ -49,7 +49,7 @@ def test_a_writer_without_a_name_yet_is_one():
 def test_a_silent_writer_of_a_stream_loses_its_place():
     graph = Graph('joint_reference', first='controller_node', anew='controller_node')
     assert graph.accepts('first', 0.0)
-    assert not graph.accepts('anew', SILENCE - LOOK_PERIOD)
+    assert not graph.accepts('anew', SILENCE - CHECK_PERIOD)
     assert graph.accepts('anew', SILENCE + 0.01)
     assert not graph.accepts('first', SILENCE + 0.02)
 
@@ -107,7 +107,7 @@ def test_a_state_of_a_publisher_without_a_name_yet_waits_for_the_name():
     assert graph.watch.waits(b'anew')
     assert not graph.said
     graph.names[b'anew'] = '/cell/controller_node'
-    assert graph.accepts('anew', LOOK_PERIOD)
+    assert graph.accepts('anew', CHECK_PERIOD)
     assert not graph.watch.waits(b'anew')
 
 
@@ -115,7 +115,7 @@ def test_a_state_of_a_stranger_waits_for_nothing_once_it_has_its_name():
     graph = Graph('commander', controller='controller_node')
     assert not graph.accepts('stranger')
     graph.names[b'stranger'] = '/cell/stranger'
-    assert not graph.accepts('stranger', LOOK_PERIOD)
+    assert not graph.accepts('stranger', CHECK_PERIOD)
     assert not graph.watch.waits(b'stranger')
     assert graph.said == [
         '/cell/stranger publishes commander beside controller_node; its messages are dropped'

@@ -168,7 +168,7 @@ class PrimitiveMotions:
             self._asked.popleft()()
         self._send()
 
-    def look(self, now: float) -> None:
+    def check(self, now: float) -> None:
         """Switch outputs on the path of the motion under way, by where the robot is; now in s."""
         q = self._measured() if self._moving else None
         if q is not None and self.switching is not None:

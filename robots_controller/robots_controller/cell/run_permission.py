@@ -27,12 +27,12 @@ class RunPermission:
     def commander_changed(self, commander: Commander) -> None:
         """The commander of the robot."""
         self._commander = commander
-        self._look()
+        self._update()
 
     def mode_changed(self, mode: OperatingMode) -> bool:
         """The operating mode; True if it is another one than before."""
         before, self._mode = self._mode, mode
-        self._look()
+        self._update()
         return mode is not before
 
     @property
@@ -64,7 +64,7 @@ class RunPermission:
     def _check_commander(self) -> None:
         check_command(Commander.PROGRAM, commander=self._commander, mode=self._mode)
 
-    def _look(self) -> None:
+    def _update(self) -> None:
         try:
             self._check_commander()
         except CommandRefusedError as error:

@@ -247,12 +247,12 @@ class ControlLoop:
         controller, mailbox = self.controller, self._mailbox
         silence, self._now = now - self._now, now
         if silence > self._watchdog and not controller.standing:
-            self._look_at_silence(silence, now)
+            self._check_silence(silence, now)
         while mailbox:
             mailbox.popleft()(now)
         return controller.step(now, position)
 
-    def _look_at_silence(self, silence: float, now: float) -> None:
+    def _check_silence(self, silence: float, now: float) -> None:
         """The drives have braked meanwhile, off the path: the motion does not continue."""
         if silence * self._processor_share() > self._watchdog:
             reason = f'the controller was held up for {silence:.3g} s'

@@ -273,7 +273,7 @@ class Controller:
         Returns:
             (3, n): position, velocity, acceleration; None before the first feedback.
         """
-        finding, self._found = self._found or self._feedback.look(now, feedback, self.reference), None
+        finding, self._found = self._found or self._feedback.check(now, feedback, self.reference), None
         if self.reference is None:
             if feedback is not None:
                 self._stand_at(feedback)
@@ -281,7 +281,7 @@ class Controller:
         if finding is not None:
             self.trip(*finding, now)
         if self.speed.zones is not None:
-            self._look_at_zones(self.speed.zones, now)
+            self._check_zones(self.speed.zones, now)
         if self._brake is not None:
             self._step_brake(now)
         elif self._stream.active:
@@ -293,7 +293,7 @@ class Controller:
         return self.reference
 
     def ahead(self, now: float, periods: int) -> Span:
-        """What `step` will return as long as nothing is called and `look` finds nothing.
+        """What `step` will return as long as nothing is called and `check` finds nothing.
 
         Args:
             now: Time, s.
@@ -314,7 +314,7 @@ class Controller:
         span = self._following.ahead(motion, self.speed.of_motion(motion, now), periods)
         return span.first(self._guard.passing(span.references)) if len(span) else span
 
-    def look(self, now: float, feedback: Array | None, reference: Array) -> bool:
+    def check(self, now: float, feedback: Array | None, reference: Array) -> bool:
         """Look at the feedback of a period of a span; False if the next `step`, of this period, acts on it.
 
         Args:
@@ -322,7 +322,7 @@ class Controller:
             feedback: As for `step`.
             reference: Of the period before, (3, n).
         """
-        self._found = self._feedback.look(now, feedback, reference)
+        self._found = self._feedback.check(now, feedback, reference)
         return self._found is None
 
     def pass_over(self, span: Span) -> None:
@@ -332,9 +332,9 @@ class Controller:
             self._following.pass_over(self._motion, span)
             self._guard.pass_over(span.references)
 
-    def _look_at_zones(self, zones: ZoneGuard, now: float) -> None:
+    def _check_zones(self, zones: ZoneGuard, now: float) -> None:
         assert self.reference is not None
-        if reason := zones.look(self.reference[0]):
+        if reason := zones.check(self.reference[0]):
             self.trip(Fault.ZONE_VIOLATED, reason, now)
         measured = self._feedback.position
         places = [self.reference[0], *([] if measured is None else [measured])]

@@ -10,8 +10,8 @@ PROGRESS_RATE: Final = 25.0  # Hz
 HOLDING_RATE: Final = 10.0  # Hz
 FEEDBACK_RATE: Final = 50.0  # Hz
 SETTLING_RATE: Final = 250.0  # Hz
-# In the time after which feedback counts as lost: one look may be late, and its message too.
-LOOKS_PER_TIMEOUT: Final = 4.0
+# In the time after which feedback counts as lost: one check may be late, and its message too.
+CHECKS_PER_TIMEOUT: Final = 4.0
 # Where a period is short, the time in which a sleeping processor wakes up is a notable part of it.
 AWAKE_RATE: Final = 500.0  # Hz
 
@@ -28,11 +28,11 @@ class ControllerRates:
         self.progress_every = cycles(rate, PROGRESS_RATE)
         """Progress is reported each so many cycles."""
         # The rarer ones are multiples of this.
-        least = LOOKS_PER_TIMEOUT / feedback_timeout
+        least = CHECKS_PER_TIMEOUT / feedback_timeout
         self._settling_every = cycles(rate, max(SETTLING_RATE, least))
-        looks = rate / self._settling_every
-        self._feedback_every = self._settling_every * cycles(looks, max(FEEDBACK_RATE, least))
-        self.holding_every = self._settling_every * cycles(looks, max(HOLDING_RATE, least))
+        checks = rate / self._settling_every
+        self._feedback_every = self._settling_every * cycles(checks, max(FEEDBACK_RATE, least))
+        self.holding_every = self._settling_every * cycles(checks, max(HOLDING_RATE, least))
         """The feedback of a robot that stands is looked at each so many cycles."""
 
     def feedback_due(self, cycle: int, controller: Controller) -> bool:

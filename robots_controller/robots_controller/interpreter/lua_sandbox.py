@@ -37,7 +37,7 @@ from robots_controller.program.program_state import ProgramStopped
 MAX_MEMORY: Final = 100_000_000  # bytes
 # An instruction may copy a string as long as the memory allows: few of them, so that a stop is quick.
 HOOK_INSTRUCTIONS: Final = 200
-# s of processor time between two looks at the stop flag: each takes the lock of the Python interpreter.
+# s of processor time between two checks of the stop flag: each takes the lock of the Python interpreter.
 POLL_PERIOD: Final = 0.005
 # So many steps in the worst case end in some tenths of a second.
 MAX_PATTERN_STEPS: Final = 2e7

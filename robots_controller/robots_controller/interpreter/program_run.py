@@ -149,7 +149,7 @@ class ProgramRun:
                 return None
             if state.run_state is RunState.PAUSED:
                 return 0
-            if not state.interrupts.look():
+            if not state.interrupts.check():
                 due = state.tasks.next()
                 if due is None:
                     return None

@@ -27,7 +27,7 @@ from robots_core.ros.timed_node import TimedNode
 SWITCH_INTERVAL = 1e-4  # s
 POLL = 0.01  # s
 # Nodes that only show what happens, and never hold up a lock-step run.
-ONLOOKERS = ('robot_state_node', 'visualizer_node')
+OBSERVERS = ('robot_state_node', 'visualizer_node')
 
 
 class CellOperator(TimedNode):
@@ -110,7 +110,7 @@ class CellListener:
         sys.setswitchinterval(SWITCH_INTERVAL)
         node = Node('lockstep_coordinator', namespace=self.monitor.get_namespace())
         prefix = self.monitor.get_namespace().rstrip('/')
-        expected = [f'{prefix}/{name}' for name in nodes if name not in ONLOOKERS]
+        expected = [f'{prefix}/{name}' for name in nodes if name not in OBSERVERS]
         self._operator = CellOperator(namespace=self.monitor.get_namespace())
         expected.append(self._operator.get_fully_qualified_name())
         self._coordinator = Coordinator(

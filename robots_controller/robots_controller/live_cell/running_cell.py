@@ -28,10 +28,10 @@ from robots_core.exit_codes import ExitCode
 START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
 WAIT_REPORT = 10.0  # s between reports of what is waited for
 SERVICE_TIMEOUT = 60.0  # s
-LOOK_TIME = 0.3  # s, for nodes of another cell to be found before the own ones are started
+SEARCH_TIME = 0.3  # s, for nodes of another cell to be found before the own ones are started
 SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
-POLL = 0.05  # s between looks at processes and events
+POLL = 0.05  # s between checks of processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
 REPORTED_TOPICS = ('command_state', 'digital_outputs', 'joint_states')
@@ -78,7 +78,7 @@ class RunningCell:
 
     def others(self) -> str:
         """A node of this cell's names that is there before any is started; '' for none."""
-        deadline = time.monotonic() + LOOK_TIME
+        deadline = time.monotonic() + SEARCH_TIME
         while time.monotonic() < deadline:
             if found := self._monitor.present(self._processes.names):
                 return found[0]
@@ -158,7 +158,7 @@ class RunningCell:
         """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
         if self._ended:
             return False
-        for name in self._frozen.look(time.monotonic()):
+        for name in self._frozen.check(time.monotonic()):
             self._console.print(
                 f'[bold red]{name} gives no sign of life for {self._frozen.timeout:g} s[/]: it is killed'
             )

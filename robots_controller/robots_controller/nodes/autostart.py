@@ -128,9 +128,9 @@ class Autostart:
             )
             return
         self._readiness = readiness([name for name in expected if name])
-        self._timer = node.create_timer(PERIOD, self._look)
+        self._timer = node.create_timer(PERIOD, self._check)
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         if missing := self._readiness.missing():
             text, now = f'autostart waits for {" and ".join(missing)}', self._node.now()
             if text != self._said or now - self._said_at >= REPORT_PERIOD:

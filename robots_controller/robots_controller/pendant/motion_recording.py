@@ -12,7 +12,7 @@ import numpy as np
 from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.validation import Array
 
-PERIOD: Final = 0.01  # s, between two looks for new feedback
+PERIOD: Final = 0.01  # s, between two checks for new feedback
 LONGEST: Final = 300.0  # s
 
 

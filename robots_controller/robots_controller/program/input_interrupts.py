@@ -52,7 +52,7 @@ class InputInterrupts:
             self._due.remove(number)
         return self._interrupts.pop(number, None) is not None
 
-    def look(self) -> bool:
+    def check(self) -> bool:
         """Note what has changed; True if a handler is due and none as urgent runs."""
         for number, interrupt in self._interrupts.items():
             held, interrupt.held = interrupt.held, interrupt.holds()

@@ -170,7 +170,7 @@ class ProgramState:
         with self.condition:
             if self.stopping:
                 raise ProgramStopped
-            if self.interrupts.look() or self.tasks.next() is not None:
+            if self.interrupts.check() or self.tasks.next() is not None:
                 return True
             return self.run_state is RunState.PAUSED or self._alarm_is_due()
 

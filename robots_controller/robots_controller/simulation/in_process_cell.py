@@ -24,7 +24,7 @@ from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide, guide_of_cell
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
-from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
+from robots_core.blocks.collision.collision_guard import CHECK_RATE, CollisionGuard
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
@@ -33,7 +33,7 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
 
-WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
+WATCH_PERIOD = 0.1  # s between checks of motions that nothing would end
 
 
 class InProcessCell:
@@ -127,7 +127,7 @@ class InProcessCell:
         self._guard = None
         if parts.scene and parts.planning.collision is not None:
             self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
-        self._look_every = cycles(1.0 / parts.period, LOOK_RATE)
+        self._check_every = cycles(1.0 / parts.period, CHECK_RATE)
         self._watch_every = cycles(1.0 / parts.period, 1.0 / WATCH_PERIOD)
         self._watched = WatchedInputs(loop, parts.emergency_stop, parts.zone_inputs)
         self._inputs: dict[str, int] = {}  # images of the inputs that were set, and their sizes
@@ -189,8 +189,8 @@ class InProcessCell:
             self._feedback, self.control.position = feedback, feedback.position
             if self.contact is not None:
                 self.contact.measure(feedback)
-            if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
-                seen = self._guard.look(feedback.position, feedback.velocity)
+            if self._guard is not None and self.cycle >= 0 and self.cycle % self._check_every == 0:
+                seen = self._guard.check(feedback.position, feedback.velocity)
                 self.log.value('min_distance', seen.distance)
                 self.log.report('collision_status', seen.status)
         self._deliver()
@@ -266,8 +266,8 @@ class InProcessCell:
         elif self.control.holding:  # nothing may ever happen
             periods = 0
         if self._guard is not None:
-            looks = self._look_every - 1 - self.cycle % self._look_every
-            periods = 0 if self._guard.endangered else min(periods, looks)
+            until_check = self._check_every - 1 - self.cycle % self._check_every
+            periods = 0 if self._guard.endangered else min(periods, until_check)
         if self.guide_player.started or self._host.reporter.due or self._host.motions.timed:
             periods = 0
         span = self.control.loop.ahead(self.clock.now(), periods)
@@ -327,7 +327,7 @@ class InProcessCell:
         """Stop for the digital inputs that are published, and close zones by them."""
         bits = self.program.io.bits('digital_inputs')
         image = bits[: self._inputs.get('digital_inputs', 0)].tolist()
-        self._watched.look(image, self._parts.unknown_inputs)
+        self._watched.check(image, self._parts.unknown_inputs)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as the service, which takes none
         self.control.loop.stop_before_collision()

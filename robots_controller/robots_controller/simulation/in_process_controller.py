@@ -82,18 +82,18 @@ class InProcessController:
         Returns:
             How many have passed: it ends early if the controller has to act on the feedback.
         """
-        clock, begin, looks = self._clock, self.loop.cycle, self.rates.feedback_every(self.controller)
+        clock, begin, every = self._clock, self.loop.cycle, self.rates.feedback_every(self.controller)
         passed = 0
         while passed < len(span):
             cycle = begin + passed
-            if cycle % looks == 0:
+            if cycle % every == 0:
                 clock.nanoseconds = cycle * self._period_ns
                 before = span.references[passed - 1] if passed else self.controller.reference
                 assert before is not None
-                if not self.controller.look(clock.now(), self.position, before):
+                if not self.controller.check(clock.now(), self.position, before):
                     break
             # The drives move until the controller looks at their feedback again.
-            end = min(passed + looks - cycle % looks, len(span))
+            end = min(passed + every - cycle % every, len(span))
             if not self.holding:
                 self._report_progress(cycle, span.progress[passed:end])
             self.position = move(slice(passed, end))

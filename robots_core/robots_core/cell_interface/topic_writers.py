@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 SILENCE: Final = 0.5  # s after which the writer of a stream has lost its place
-LOOK_PERIOD: Final = 0.1  # s between looks for the name of a stranger
+CHECK_PERIOD: Final = 0.1  # s between lookups of a publisher's name
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class WriterWatch:
     publishers: Callable[[], Mapping[bytes, str]]
     on_stranger: Callable[[str], None]
     _writers: dict[bytes, str] = field(default_factory=dict)  # with their nodes' names
-    _strangers: dict[bytes, float] = field(default_factory=dict)  # with the time of the last look
+    _strangers: dict[bytes, float] = field(default_factory=dict)  # with the time of the last check
     _unnamed: set[bytes] = field(default_factory=set)  # of a state
     _last: float = -math.inf  # of a stream
 
@@ -90,7 +90,7 @@ class WriterWatch:
         if identity in self._writers:
             self._last = now
             return True
-        if now - self._strangers.get(identity, -math.inf) < LOOK_PERIOD:
+        if now - self._strangers.get(identity, -math.inf) < CHECK_PERIOD:
             return False
         names = self.publishers()
         self._unnamed.discard(identity)

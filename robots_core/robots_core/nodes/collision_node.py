@@ -11,8 +11,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import (
+    CHECK_RATE,
     GUARD_MARGIN,
-    LOOK_RATE,
     LOOKAHEAD,
     CollisionGuard,
 )
@@ -51,7 +51,7 @@ class CollisionNode(RobotNode):
             'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', read=one_of('engine', ENGINES)
         )
         lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
-        rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))
+        rate = self.parameter('rate', CHECK_RATE, 'checks per second, Hz', bounds=(0.1, MAX_RATE))
         controller = self.parameter(
             'controller', 'controller_node', 'node whose ~/stop_before_collision is called'
         )
@@ -67,7 +67,7 @@ class CollisionNode(RobotNode):
         subscribe(self, JointTrajectory, 'joint_trajectory', self._on_trajectory, raw=True)
         subscribe(self, Float64, 'motion_progress', self._on_progress)
         subscribe(self, DiagnosticStatus, 'motion_result', self._on_result)
-        self.poll(JointState, 'joint_states', self._look, rate=rate)
+        self.poll(JointState, 'joint_states', self._check, rate=rate)
 
     # -- what comes in -------------------------------------------------------------------------------
 
@@ -93,10 +93,10 @@ class CollisionNode(RobotNode):
 
     # -- what goes out -------------------------------------------------------------------------------
 
-    def _look(self, message: JointState) -> None:
+    def _check(self, message: JointState) -> None:
         stopping = self.guard.stopping
         q, q_dot, _ = joint_motion(message, self._names)
-        seen = self.guard.look(q, q_dot)
+        seen = self.guard.check(q, q_dot)
         if stopping and not self.guard.stopping:
             self._clear()
         self._distance.publish(Float64(data=seen.distance))

@@ -61,13 +61,13 @@ class DriverAction:
         self._asked = math.inf  # s, since when the newest goal has no answer
         self.served = False
         """The driver has served the action."""
-        node.create_timer(settings.period, self._look)
+        node.create_timer(settings.period, self._check)
 
     def put(self, trajectory: JointTrajectory | None) -> None:
         """Send this when the next goal is due; None cancels the goal that runs. From any thread."""
         self._wanted = trajectory
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         if not self._client.server_is_ready():
             if self.served:
                 self._failed(f'{self._name} is not served any more')

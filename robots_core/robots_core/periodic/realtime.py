@@ -17,8 +17,8 @@ PRESSURE = Path('/proc/pressure/cpu')
 # A shorter time says little; in a longer one, more has happened than what is looked at.
 SHORTEST_STALL: Final = 0.005  # s
 LONGEST_STALL: Final = 0.5  # s
-LOOKS: Final = 10
-BETWEEN_LOOKS: Final = 0.002  # s
+CHECKS: Final = 10
+BETWEEN_CHECKS: Final = 0.002  # s
 
 
 def ask_for_realtime(priority: int) -> bool:
@@ -41,10 +41,10 @@ class Stalls:
     """In which part of the time something has waited for a processor (Linux's pressure stall information)."""
 
     def __init__(self) -> None:
-        self._last = -math.inf, 0.0, 1.0  # time of the last look, s; its total, s; the part before it
+        self._last = -math.inf, 0.0, 1.0  # time of the last check, s; its total, s; the part before it
 
     def part(self) -> float:
-        """Since the last look, 0 to 1; 1 if that is unknown."""
+        """Since the last check, 0 to 1; 1 if that is unknown."""
         now = time.monotonic()
         before, total_before, part = self._last
         if now - before < SHORTEST_STALL:
@@ -66,7 +66,7 @@ def processor_share(own: int = 1) -> float:
     """The share of a processor that each thread gets that could run, above 0 to 1 (Linux; elsewhere 1).
 
     By the number of those that can run, now or in the last minute, whichever is more. It counts for the part
-    of the time since the last look in which something has waited, see `Stalls`.
+    of the time since the last check in which something has waited, see `Stalls`.
 
     Args:
         own: How many of those that can run now do not count.
@@ -83,13 +83,13 @@ def processor_share(own: int = 1) -> float:
 def processor_share_in_silence() -> float:
     """The same, for a process that runs again after a silence: its own threads, which all can, do not count.
 
-    The largest share of up to `LOOKS` looks: many threads can run for a moment when a process continues, and
-    are no load. A look takes 20 us for each thread of the process.
+    The largest share of up to `CHECKS` checks: many threads can run for a moment when a process continues,
+    and are no load. A check takes 20 us for each thread of the process.
     """
     largest = 0.0
-    for look in range(LOOKS):
-        if look:
-            time.sleep(BETWEEN_LOOKS)
+    for check in range(CHECKS):
+        if check:
+            time.sleep(BETWEEN_CHECKS)
         own = sum(map(_runs, TASKS.iterdir())) if TASKS.is_dir() else 1
         largest = max(largest, processor_share(max(1, own)))
         if largest == 1.0:

@@ -10,7 +10,7 @@ WATCHDOG: Final = 0.2
 """Default, s: how long a process of a quiet machine may give no sign of life."""
 SHORTEST: Final = 0.1  # s: some signs of life fit in
 LONGEST: Final = 60.0  # s
-LOOKS: Final = 5
+CHECKS: Final = 5
 """Looks within the timeout."""
 
 
@@ -19,7 +19,7 @@ class Watchdog:
 
     What was never seen is not lost. A watcher that the machine has held up counts one regular step for that:
     what it watches may have been held up too. Where processes have to share processors, silence counts by the
-    share that each of them gets, the larger one of two looks: threads that run for a moment are no load.
+    share that each of them gets, the larger one of two checks: threads that run for a moment are no load.
 
     Args:
         timeout: Without a sign of life for this long it is lost, s; see `checked_watchdog`.
@@ -52,25 +52,25 @@ class Watchdog:
         if self._silence is None:
             self._silence = 0.0
 
-    def look(self, now: float, *, alive: bool, age: float | None = None) -> bool:
-        """Look, at least `LOOKS` times within the timeout.
+    def check(self, now: float, *, alive: bool, age: float | None = None) -> bool:
+        """Look, at least `CHECKS` times within the timeout.
 
         Args:
             now: Time, s.
-            alive: A sign of life has come since the last look.
-            age: How long ago the newest came, s; None where that is unknown: halfway between the two looks.
+            alive: A sign of life has come since the last check.
+            age: How long ago the newest came, s; None where that is unknown: halfway between the two checks.
 
         Returns:
             It was lost just now.
         """
-        step, self._before = min(now - self._before, self._timeout / LOOKS), now
+        step, self._before = min(now - self._before, self._timeout / CHECKS), now
         lost = self.lost
         if alive:
             self._silence = 0.5 * step if age is None else min(max(age, 0.0), step)
             self._last_share = 0.0
         elif self._silence is not None:
-            # To ask for the share takes longer than a look: not between two signs of life of a quiet machine.
-            usual = self._silence < 2.0 * self._timeout / LOOKS
+            # Reading the share takes longer than a check: not between two signs of life on a quiet machine.
+            usual = self._silence < 2.0 * self._timeout / CHECKS
             self._silence += step if usual else step * self._larger_share()
         return self.lost and not lost
 

@@ -16,7 +16,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.cell_interface.parameter_changes import CHANGES, Change, change_of
-from robots_core.cell_interface.topic_writers import LOOK_PERIOD, WRITERS, WriterWatch
+from robots_core.cell_interface.topic_writers import CHECK_PERIOD, WRITERS, WriterWatch
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
@@ -268,13 +268,13 @@ class RobotNode(TimedNode):
         """Look for the newest message of a stream at a rate (Hz), raw as bytes; a RobotsError refuses it."""
         subscription = PolledSubscription(self, msg_type, topic, raw=raw)
 
-        def look() -> None:
+        def check() -> None:
             message = subscription.take()
             if message is not None:
                 with self.refusing(topic):
                     callback(message)
 
-        self.create_timer(1.0 / rate, look, clock=clock)
+        self.create_timer(1.0 / rate, check, clock=clock)
 
     def create_subscription_with_sender(
         self, msg_type: Any, topic: str, callback: Callable[[Any, Sender], None]
@@ -302,7 +302,7 @@ class RobotNode(TimedNode):
             self.destroy_timer(timer)
             take()
 
-        timer = self.create_timer(LOOK_PERIOD, once)
+        timer = self.create_timer(CHECK_PERIOD, once)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
         """Separates writers of a topic from others; None where none are dropped."""

@@ -29,7 +29,7 @@ class CommandInbox:
         if node.participant is not None:
             self._turn = node.participant.create_turn(lambda _: self.deliver(), phase=Phase.PLANNING)
         # In every round of the executor, subscriptions are served before it.
-        self._arrival = node.create_guard_condition(self._look)
+        self._arrival = node.create_guard_condition(self._check)
 
     def subscribed(self, subscription: Subscription) -> None:
         """A subscription puts its commands here."""
@@ -44,7 +44,7 @@ class CommandInbox:
         self._more = True
         self._arrival.trigger()
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         if self._more:
             self._more = False
             self._arrival.trigger()

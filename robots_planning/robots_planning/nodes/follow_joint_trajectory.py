@@ -110,7 +110,7 @@ class FollowJointTrajectory(OneGoalServer[TrajectoryGoal]):
         ] = {}  # by the id of the motion; a goal that is preempted still brakes
         self._states = PolledSubscription(node, JointState, 'joint_states')
         self._actual: tuple[Array, Array] | None = None
-        self._timer = node.create_timer(FEEDBACK_PERIOD, self._look, autostart=False)
+        self._timer = node.create_timer(FEEDBACK_PERIOD, self._poll, autostart=False)
         super().__init__(node, action, ACTION, TrajectoryGoal)
 
     async def _run(self, goal: TrajectoryGoal) -> Outcome:
@@ -176,7 +176,7 @@ class FollowJointTrajectory(OneGoalServer[TrajectoryGoal]):
 
     # -- while it moves -------------------------------------------------------------------------------
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         """Send feedback, and end a goal whose tolerances are violated."""
         goal = self._goal
         self._take_states()

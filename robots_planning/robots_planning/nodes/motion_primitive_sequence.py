@@ -71,7 +71,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._commanded: dict[str, SequenceGoal] = {}
         self._progresses = PolledSubscription(node, Float64, 'motion_progress')
         self._progress = 0.0
-        self._timer = node.create_timer(FEEDBACK_PERIOD, self._look, autostart=False)
+        self._timer = node.create_timer(FEEDBACK_PERIOD, self._poll, autostart=False)
         super().__init__(node, action, ACTION, SequenceGoal)
 
     async def _run(self, goal: SequenceGoal) -> Outcome:
@@ -157,7 +157,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._progresses.take()
         self._progress = 0.0
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         """Send feedback; stop again what has come to the controller after a first stop."""
         goal = self._goal
         if goal is None or not goal.open:

@@ -61,7 +61,7 @@ from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
 
-LOOK_PERIOD = 0.1  # s between looks for a first reference
+CHECK_PERIOD = 0.1  # s between checks for a first reference
 COLLISION_MARGIN = 0.005  # m
 NEW_COMMAND = ('queue', 'replace')
 
@@ -128,7 +128,7 @@ class PlanningNode(RobotNode):
         self._actions: list[FollowJointTrajectory | MotionPrimitiveSequence] = []
         self._serve_actions()
         HeartbeatWatch(self, ['controller_node'], watchdog, self._on_controller_watched)
-        self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
+        self._search_timer = self.create_timer(CHECK_PERIOD, self._find_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
     def _serve_actions(self) -> None:
@@ -336,11 +336,11 @@ class PlanningNode(RobotNode):
 
     # -- references ----------------------------------------------------------------------------------
 
-    def _look_for_reference(self) -> None:
+    def _find_reference(self) -> None:
         """Ready as soon as there is a place to plan from."""
         with self.refusing('joint_reference'):
             if self.reference() is not None:
-                self.destroy_timer(self._look)
+                self.destroy_timer(self._search_timer)
                 self.ready()
 
     def destroy_node(self) -> None:

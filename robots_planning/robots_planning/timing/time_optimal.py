@@ -31,7 +31,7 @@ LONGEST_STEP = 0.006  # s between points of the trajectory
 CHECKS_PER_STEP = 5
 SPARSE = 2  # torques and the tool are checked in one of so many checks
 # Torques are checked where the profile uses more than this fraction of their limits.
-TORQUE_LOOK = 0.7
+TORQUE_CHECKED = 0.7
 RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
 # Ramps tried with jerk limits, relative to what the motion needs that is not slowed down for its jerk: a
 # shorter one costs less time everywhere, and more there.
@@ -360,7 +360,7 @@ class TimeOptimalTiming:
             np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)
             for part, v, x in ((rows[:-1], speed[:-1], begin), (rows[1:], speed[1:], end))
         ]
-        heavy = np.concatenate([[False], np.maximum(*parts) > TORQUE_LOOK, [False]])
+        heavy = np.concatenate([[False], np.maximum(*parts) > TORQUE_CHECKED, [False]])
         heavy[1:-1] |= heavy[:-2] | heavy[2:]
         index = np.searchsorted(law.grid_times, times)
         chosen: Array = heavy[np.clip(index, 1, len(heavy) - 2)]

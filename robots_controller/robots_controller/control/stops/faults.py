@@ -60,7 +60,7 @@ class Fault(Enum):
     )
     FEEDBACK_JUMPED = (
         StopCategory.ZERO,
-        'one look: 20 ms moving, 50 ms standing',
+        'one check: 20 ms moving, 50 ms standing',
         'the feedback of an axis changes by more than the axis can move, or while the robot stands',
     )
     FEEDBACK_LOST = (
@@ -75,17 +75,17 @@ class Fault(Enum):
     )
     FOLLOWING_ERROR = (
         StopCategory.ONE,
-        'one look: 20 ms moving, 50 ms standing',
+        'one check: 20 ms moving, 50 ms standing',
         'an axis is farther from its reference than `following_error`',
     )
     ZONE_VIOLATED = (
         StopCategory.ONE,
-        'one look: 20 ms; one period when a zone is closed',
+        'one check: 20 ms; one period when a zone is closed',
         'tool or bodies are across the border of a zone that is closed; they may move back after a reset',
     )
     OBSTACLE = (
         StopCategory.TWO,
-        'one look of collision_node: 40 ms',
+        'one check of collision_node: 40 ms',
         'collision_node has stopped the robot before an obstacle, and the motion does not go around it',
     )
     CONTACT = (
@@ -96,7 +96,7 @@ class Fault(Enum):
     FOREIGN_WRITER = (
         StopCategory.ONE,
         '0.1 s',
-        'a node without a place publishes what moves the robot, and cannot be ignored; reset when it is gone',
+        'an unauthorised node publishes what moves the robot, and cannot be ignored; reset when it is gone',
     )
     DEACTIVATED = (
         StopCategory.ONE,

@@ -9,7 +9,7 @@ import numpy as np
 
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.faults import Fault
-from robots_core.periodic.watchdog import LOOKS, Watchdog
+from robots_core.periodic.watchdog import CHECKS, Watchdog
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 
@@ -20,7 +20,7 @@ FROZEN_DISTANCE: Final = 0.02  # rad, m
 # Part of the timeout of the feedback: a drive that gets its references late begins to move within it.
 FROZEN_TIME: Final = 0.5
 # For a loss, within the timeout.
-MOST_LOOKS: Final = 4.0 * LOOKS
+MOST_CHECKS: Final = 4.0 * CHECKS
 # What a standing robot gives way to a push, or settles by after a stop.
 JUMP: Final = 0.05  # rad, m
 # Feedback of a busy machine is late by this.
@@ -45,7 +45,7 @@ class FeedbackWatch:
         self.time = -np.inf
         """When it came, s."""
         self._looked = -np.inf
-        self._interval = settings.feedback_timeout / MOST_LOOKS
+        self._interval = settings.feedback_timeout / MOST_CHECKS
         self._moved = -np.inf
         self._anchor: Array | None = None
         self._unchanged = np.zeros(axes.num_axes)  # s, each with its reference away
@@ -59,7 +59,7 @@ class FeedbackWatch:
         """The reference was set again."""
         self._anchor = None
 
-    def look(self, now: float, feedback: Array | None, reference: Array | None) -> Finding | None:
+    def check(self, now: float, feedback: Array | None, reference: Array | None) -> Finding | None:
         """Judge what came in this period.
 
         Args:
@@ -73,7 +73,7 @@ class FeedbackWatch:
         if feedback is None and now - self._looked < self._interval:
             return None
         self._looked, timeout = now, self._settings.feedback_timeout
-        lost = self._watchdog.look(now, alive=feedback is not None)
+        lost = self._watchdog.check(now, alive=feedback is not None)
         if feedback is None:
             reason = f'no feedback for {timeout:g} s: is the drive still running?'
             return (Fault.FEEDBACK_LOST, reason) if lost else None
@@ -84,7 +84,7 @@ class FeedbackWatch:
             change = np.abs(feedback - self.position)
             finding = (
                 self._jumped(now, change)
-                or self._frozen(change, reference[0], min(now - self.time, timeout / LOOKS))
+                or self._frozen(change, reference[0], min(now - self.time, timeout / CHECKS))
                 or self._behind(np.abs(feedback - reference[0]))
             )
         self.position, self.time = feedback, now

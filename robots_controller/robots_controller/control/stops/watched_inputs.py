@@ -23,7 +23,7 @@ class WatchedInputs:
         self._reason = ''
         self._closed: frozenset[str] | None = None
 
-    def look(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> None:
+    def check(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> None:
         """Look at the digital inputs.
 
         Args:

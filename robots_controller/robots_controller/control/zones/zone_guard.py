@@ -22,7 +22,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
-LOOK_EVERY: Final = 5  # periods of a robot that moves
+CHECK_EVERY: Final = 5  # periods of a robot that moves
 FURTHER: Final = 5e-3  # m across a border that the robot may still move while it comes back
 # The way of a robot that brakes is looked at in steps of this length, but in no more than so many.
 BRAKING_STEP: Final = 5e-3  # m
@@ -57,7 +57,7 @@ class ZoneGuard:
         axes, self._robot = robot.axes_data, robot
         self._velocity, self._acceleration = axes.velocity, axes.acceleration
         # Two, as paths are searched in another thread than the loop's.
-        self._paths, self._looks = ZoneDetection(robot, scene), ZoneDetection(robot, scene)
+        self._paths, self._postures = ZoneDetection(robot, scene), ZoneDetection(robot, scene)
         self._always = frozenset(zone.name for zone in scene.zones if zone.always_closed)
         for zone in scene.zones:
             if name in zone.shared_with:
@@ -86,7 +86,7 @@ class ZoneGuard:
 
     def set_scene(self, scene: Scene) -> None:
         """Watch what is attached to the flange in another scene with the same zones; as `set_tool`."""
-        self._paths, self._looks = (ZoneDetection(self._robot, scene, self._tool) for _ in range(2))
+        self._paths, self._postures = (ZoneDetection(self._robot, scene, self._tool) for _ in range(2))
 
     def borders(self, trajectory: Trajectory) -> tuple[Border, ...]:
         """Where a trajectory crosses borders, closed or not; takes milliseconds; from one thread."""
@@ -107,7 +107,7 @@ class ZoneGuard:
         self._floors = {
             name: floor for name, floor in self._floors.items() if name in self._known | self._left
         }
-        self._last = np.empty(0)  # have a look at once
+        self._last = np.empty(0)  # check at once
 
     def _closed_now(self) -> frozenset[str]:
         return (
@@ -135,7 +135,7 @@ class ZoneGuard:
             motion: That is followed.
             streaming: A stream is followed.
         """
-        self._turn = (self._turn + 1) % LOOK_EVERY
+        self._turn = (self._turn + 1) % CHECK_EVERY
         if self._turn != 0:
             return
         for clearance in self._clearances(self._shared):
@@ -151,7 +151,7 @@ class ZoneGuard:
                 self._left.add(name)
         self._closed = self._closed_now()
 
-    def look(self, q: Array) -> str:
+    def check(self, q: Array) -> str:
         """Look for a violation at joint positions `q`, (n,); the reason for a person, '' without one."""
         if np.array_equal(q, self._last):
             self._moved = 0
@@ -159,7 +159,7 @@ class ZoneGuard:
         at_once = self._last.size == 0
         self._last = q
         self._moved += 1
-        if not at_once and self._moved % LOOK_EVERY != 0:
+        if not at_once and self._moved % CHECK_EVERY != 0:
             return ''
         for clearance in self._clearances(self._known | self._left):
             zone = clearance.zone
@@ -249,5 +249,5 @@ class ZoneGuard:
         return least
 
     def _clearances(self, names: Collection[str]) -> list[ZoneClearance]:
-        self._looks.set_tool(self._tool)
-        return [self._looks.clearance(zone) for zone in self._looks.zones if zone.name in names]
+        self._postures.set_tool(self._tool)
+        return [self._postures.clearance(zone) for zone in self._postures.zones if zone.name in names]

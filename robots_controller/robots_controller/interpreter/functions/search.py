@@ -16,7 +16,7 @@ from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError,
 from robots_controller.interpreter.lua_values import check_value
 from robots_controller.interpreter.motion_options import Condition
 
-LOOK_PERIOD: Final = 0.004  # s, of measurements, whose changes nothing announces
+CHECK_PERIOD: Final = 0.004  # s, of measurements, whose changes nothing announces
 _SOURCES: Final[dict[str, ArgumentKind]] = {
     'input': kinds.DIGITAL_INPUT,
     'analog_input': kinds.ANALOG_INPUT,
@@ -85,7 +85,7 @@ class Search(Family):
             index = int(fields['analog_input'])
             return Condition(lambda: not below <= run.input('analog', index) <= above)
         joint = int(fields['joint_torque']) - 1
-        return Condition(lambda: not below <= run.cell.robot.joint_torques()[joint] <= above, LOOK_PERIOD)
+        return Condition(lambda: not below <= run.cell.robot.joint_torques()[joint] <= above, CHECK_PERIOD)
 
 
 def checked_condition(table: LuaTable, sizes: Sizes) -> dict[str, float]:

@@ -83,7 +83,7 @@ class IoBridge:
             touched = [value for values in self._inputs.values() for value in values]
         for value in touched:
             yield value.row.channel, value.update(now)
-            self._look_for_silence(value, now)
+            self._check_silence(value, now)
             self._due = min(self._due, value.next_time(now))
 
     def places(self) -> Iterator[tuple[Channel, Place, float]]:
@@ -114,7 +114,7 @@ class IoBridge:
             self.problems.set(f'value {name}', problem, now, lost=bool(problem))
         return values
 
-    def _look_for_silence(self, value: InputValue, now: float) -> None:
+    def _check_silence(self, value: InputValue, now: float) -> None:
         row, problem = value.row, ''
         if row.channel.name in self._stopping:
             if why := value.unknown(now):

@@ -37,11 +37,11 @@ class FrozenNodes:
         """A node is restarted: its silence counts from its first sign of life on."""
         self._watchdogs.pop(name, None)
 
-    def look(self, now: float) -> list[str]:
-        """The nodes that are frozen since the last look, now in s."""
+    def check(self, now: float) -> list[str]:
+        """The nodes that are frozen since the last check, now in s."""
         found = []
         for name, beats in self._beats.items():
             watchdog = self._watchdogs.setdefault(name, Watchdog(self.timeout, processor_share))
-            if watchdog.look(now, alive=beats.take() is not None):
+            if watchdog.check(now, alive=beats.take() is not None):
                 found.append(name)
         return found

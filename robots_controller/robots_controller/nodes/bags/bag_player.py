@@ -12,7 +12,7 @@ from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.timed_node import TimedNode
 
-POLL: Final = 0.01  # s of the wall clock between looks for subscribers
+POLL: Final = 0.01  # s of the wall clock between searches for subscribers
 DEPTH: Final = 1000  # messages that a slow subscriber may lag behind
 LAST_ACKNOWLEDGEMENT: Final = Duration(seconds=2.0)
 
@@ -55,14 +55,14 @@ class BagPlayer(TimedNode):
             return
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._latest = self._steady.now() + Duration(seconds=wait)
-        self._look = self.create_timer(POLL, self._look_for_subscribers, clock=self._steady)
+        self._search_timer = self.create_timer(POLL, self._find_subscribers, clock=self._steady)
 
     @property
     def complete(self) -> bool:
         """Everything was published."""
         return self.published == len(self._timeline)
 
-    def _look_for_subscribers(self) -> None:
+    def _find_subscribers(self) -> None:
         missing = [n for n, one in self._player_publishers.items() if one.get_subscription_count() == 0]
         if missing and self._steady.now() < self._latest:
             return
@@ -70,7 +70,7 @@ class BagPlayer(TimedNode):
             return
         if missing:
             print(f'no subscribers to {", ".join(missing)}')
-        self.destroy_timer(self._look)
+        self.destroy_timer(self._search_timer)
         self._begin()
 
     def _begin(self) -> None:

@@ -49,7 +49,7 @@ class LockstepTimes:
             last: Nothing follows.
         """
         messages = sorted([*self._waiting, *came], key=lambda message: message[0])
-        # Sent before it, a message was there when this look at the topics began.
+        # Sent before it, a message was there when this check of the topics began.
         complete = self._sent[-1] if self._sent else 0
         for clock, info in self._clock.take_all():
             self._sent.append(info['source_timestamp'])

@@ -13,7 +13,7 @@ from robots_core.ros.robot_node import RobotNode
 
 TO_DRIVES: Final = ('joint_reference', 'drives_on')
 OTHERS: Final = ('joint_states', 'joint_trajectory', 'motion_result')
-PERIOD: Final = 0.1  # s between looks for others that publish these
+PERIOD: Final = 0.1  # s between searches for others that publish these
 
 
 class ForeignWriters:
@@ -33,9 +33,9 @@ class ForeignWriters:
         identified = publishers_are_identified() if identified is None else identified
         self._topics = TO_DRIVES if identified else (*TO_DRIVES, *OTHERS)
         self._known: dict[str, set[str]] = {}
-        node.create_timer(PERIOD, self._look)
+        node.create_timer(PERIOD, self._check)
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         found = {topic: names for topic in self._topics if (names := self._foreign(topic))}
         if found != self._known:
             reason = '; '.join(

@@ -86,7 +86,7 @@ class WatchedNodes:
         self._wait()
 
     def _on_inputs(self, message: UInt8MultiArray) -> None:
-        self._inputs.look(message.data, unknown_inputs(one.label for one in message.layout.dim))
+        self._inputs.check(message.data, unknown_inputs(one.label for one in message.layout.dim))
         if self._image_awaited:
             self._image_awaited = False
             self._wait()

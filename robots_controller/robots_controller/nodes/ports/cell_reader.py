@@ -74,7 +74,7 @@ class CellReader:
         self._question_clients: dict[str, Any] = {}
         self._open_questions: set[str] = set()
         self._subscribe()
-        self._watch = HeartbeatWatch(node, (*WATCHED, PLC), LOST_AFTER, lambda *_: self._look_for_lost())
+        self._watch = HeartbeatWatch(node, (*WATCHED, PLC), LOST_AFTER, lambda *_: self._check_lost())
         asked = ('program', 'points_file', 'frames_file', 'breakpoints', *LABELS.values())
         self.ask(PROGRAM, asked, self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
@@ -203,9 +203,9 @@ class CellReader:
                 self.show(scene_url=diagnostic_values(status).get('url', ''))
             if name in WATCHED and name not in self._seen:
                 self._seen.add(name)
-                self._look_for_lost()
+                self._check_lost()
 
-    def _look_for_lost(self) -> None:
+    def _check_lost(self) -> None:
         lost = {*WATCHED} - self._seen | {*self._watch.lost}
         plc = replace(self._observer.state.plc, lost=PLC in lost)
         self.show(lost=tuple(name for name in WATCHED if name in lost), plc=plc)

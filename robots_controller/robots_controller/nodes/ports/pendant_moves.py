@@ -73,4 +73,4 @@ class PendantMoves:
 
     def _watch(self) -> None:
         self._motions.watch()
-        self.move.look()
+        self.move.check()

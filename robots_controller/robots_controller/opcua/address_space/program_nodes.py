@@ -22,7 +22,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.files.user_file import read_bytes
 
 REFRESH: Final = 2.0
-"""How long after a look at the folder the next one follows, s."""
+"""How long after a scan of the folder the next one follows, s."""
 MOST_SHARE: Final = 50.0
 """A search that takes long is repeated after so many times its own time."""
 MOST_OPEN: Final = 100
@@ -101,7 +101,7 @@ class ProgramNodes:
         began = time.monotonic()
         try:
             found = await asyncio.to_thread(_sizes, self._folder)
-        except OSError:  # folders go while they are searched: the next look finds what is left
+        except OSError:  # folders go while they are searched: the next scan finds what is left
             found = self._sizes
         ended = time.monotonic()
         self._due = ended + max(REFRESH, MOST_SHARE * (ended - began))

@@ -63,7 +63,7 @@ class PendantMove:
             self._port.cancel()
         self._port.give_back()
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Called now and then: ask again for a robot that did not stand."""
         running = self._running
         if self._waiting and running is not None:

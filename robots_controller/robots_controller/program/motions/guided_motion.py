@@ -10,9 +10,9 @@ from robots_core.errors import ProgramError
 from robots_core.validation import Array
 from robots_planning.robot_command_state import STATE_OF_GUIDE
 
-# The robot stands when nothing has changed in so many looks; a stream of references has ended by then too.
-LOOKS = 3
-LOOK_PERIOD = 0.1  # s
+# The robot stands when nothing has changed in so many checks; a stream of references has ended by then too.
+CHECKS = 3
+CHECK_PERIOD = 0.1  # s
 STILL = 1e-5  # rad (m); what drives settle on
 LONGEST_BRAKING = 10.0  # s
 
@@ -85,13 +85,13 @@ class GuidedMotion:
         self._hand_over(guide)
 
     def _standstill(self, guide: Guide) -> Generator[None, None, None]:
-        last, still, looks = self._position(), 0, 0
-        while still < LOOKS:
-            yield from self._state.waiting(lambda: False, LOOK_PERIOD)
+        last, still, checks = self._position(), 0, 0
+        while still < CHECKS:
+            yield from self._state.waiting(lambda: False, CHECK_PERIOD)
             now = self._position()
             still = still + 1 if float(np.abs(now - last).max()) <= STILL else 0
-            last, looks = now, looks + 1
-            if looks * LOOK_PERIOD > LONGEST_BRAKING:
+            last, checks = now, checks + 1
+            if checks * CHECK_PERIOD > LONGEST_BRAKING:
                 raise ProgramError(
                     f'the robot still moves {LONGEST_BRAKING:g} s after the end of '
                     f'{STATE_OF_GUIDE[guide]}; something else than the program moves it'

@@ -18,10 +18,10 @@ from robots_core.validation import Array
 # Less than what the planner keeps: a robot that lags behind its reference by a millimetre needs no stop.
 GUARD_MARGIN: Final = 0.002  # m
 LOOKAHEAD: Final = 1.0  # s
-LOOK_RATE: Final = 25.0  # Hz
+CHECK_RATE: Final = 25.0  # Hz
 FASTEST: Final = 2.0  # of the axes' velocity limits; the bounds of a path are not tight
 STANDING: Final = 1e-3  # of the axes' velocity limits; measured velocities are never quite zero
-# A look, a call of the service and a period of the controller may pass before a guided robot brakes.
+# A check, a call of the service and a period of the controller may pass before a guided robot brakes.
 REACTION_TIME: Final = 0.1  # s
 
 
@@ -50,7 +50,7 @@ class CollisionGuard:
     """Stops the robot where the margin is undercut.
 
     The path of a motion is checked when it is planned and when the scene changes, so that nothing between
-    two looks at the robot is missed; the robot is stopped on its path as soon as a place that is too close
+    two checks of the robot is missed; the robot is stopped on its path as soon as a place that is too close
     lies within `lookahead`. A robot that moves without a path is stopped as soon as the way that it needs to
     brake is not free; one that has stood too close may move away, and one that has stood in contact may move
     anywhere until it is free.
@@ -112,7 +112,7 @@ class CollisionGuard:
         Raises:
             InvalidInputError: a path of another number of axes, or far past their limits.
         """
-        self._check(path)
+        self._check_path(path)
         motion = _Motion(path, self.detection.first_approach(path, margin=self.margin))
         if next(iter(self.motions), id_) == id_:  # the first one, or its path around an obstacle
             self._progress = 0.0
@@ -124,7 +124,7 @@ class CollisionGuard:
         """The margin of what begins here: a robot that is too close already may leave, m."""
         return self.margin if start is None else min(self.margin, max(start.distance - 2.0 * RESOLUTION, 0.0))
 
-    def _check(self, path: JointPath) -> None:
+    def _check_path(self, path: JointPath) -> None:
         """Refuse what no controller follows: how long its check takes has no bound."""
         axes = self.detection.robot.axes_data
         for position in (path.position.min(axis=0), path.position.max(axis=0)):
@@ -149,7 +149,7 @@ class CollisionGuard:
         self._progress = 0.0
         return not self.motions
 
-    def look(self, q: Array, q_dot: Array | None) -> CollisionStatus:
+    def check(self, q: Array, q_dot: Array | None) -> CollisionStatus:
         """Look at the robot.
 
         Args:

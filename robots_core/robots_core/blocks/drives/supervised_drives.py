@@ -121,7 +121,7 @@ class SupervisedDrives:
         """
         due = now if stamp is None else stamp or -np.inf
         accepted = q is not None and q_dot is not None and self._accepts(now, q, q_dot, due, sender_period)
-        self._watchdog.look(now, alive=accepted)
+        self._watchdog.check(now, alive=accepted)
         if accepted:
             assert q is not None
             assert q_dot is not None
@@ -167,7 +167,7 @@ class SupervisedDrives:
 
     def pass_over(self, now: float, references: Array) -> None:
         """The drives have followed references, (k, 3, n), as `ahead` says, the last one at `now`, s."""
-        self._watchdog.look(now, alive=True)
+        self._watchdog.check(now, alive=True)
         self._silent, self.problem = 0, ''
         if len(references) > 1:
             self._q = references[-2, 0]

@@ -141,7 +141,7 @@ class Rendezvous:
             return
         self.target.step(self._period)
         self._approach()
-        self._look_for_contact(q)
+        self._detect_contact(q)
 
     def _ring(self) -> Pose:
         return self.target.pose @ self._orbit.target.ring
@@ -162,7 +162,7 @@ class Rendezvous:
         if self._gliding:
             self._distance = max(0.0, self._distance - self._orbit.approach.speed * self._period)
 
-    def _look_for_contact(self, q: Array) -> None:
+    def _detect_contact(self, q: Array) -> None:
         tool, _ = self.base.tool
         touched = bool(np.linalg.norm(tool.r - self._ring().r) <= self._orbit.gripper.reach)
         if touched and self._closing and not self.refused:

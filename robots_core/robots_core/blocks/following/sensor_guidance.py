@@ -12,7 +12,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
-# How often the controller's reference is compared with the one sent; on messages a look is expensive.
+# How often the controller's reference is compared with the one sent; on messages a comparison is expensive.
 CONTROLLER_RATE: Final = 25.0  # Hz
 
 

@@ -45,7 +45,7 @@ class ForceWatch:
             controlled: Force control presses the tool.
         """
         settings = self._settings
-        self._watchdog.look(now, alive=self._alive)
+        self._watchdog.check(now, alive=self._alive)
         self._alive = False
         if self.force is None:
             return 'no force was measured yet' if controlled else ''

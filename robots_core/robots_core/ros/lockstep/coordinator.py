@@ -108,7 +108,7 @@ class Coordinator:
         node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
         self._reports = node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._watch = node.create_timer(WATCH_PERIOD, self._look_for_progress, clock=steady)
+        self._watch = node.create_timer(WATCH_PERIOD, self._check_progress, clock=steady)
 
     @property
     def time(self) -> int:
@@ -266,7 +266,7 @@ class Coordinator:
 
     # -- patience ----------------------------------------------------------------------------------------
 
-    def _look_for_progress(self) -> None:
+    def _check_progress(self) -> None:
         self._begin_when_matched()
         idle = time.monotonic() - self._progress
         if not self.started:

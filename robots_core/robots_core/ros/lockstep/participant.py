@@ -47,7 +47,7 @@ from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, Loc
 from robots_core.ros.lockstep.traffic import CLOSED
 from robots_core.ros.qos import STATE, STREAM
 
-MATCHING_PERIOD: Final = 0.02  # s of the wall clock between looks, until all endpoints are matched
+MATCHING_PERIOD: Final = 0.02  # s of the wall clock between checks, until all endpoints are matched
 POLL: Final = 2e-5  # s
 PATIENCE: Final = 30.0  # s of the wall clock for a message that was sent
 

@@ -10,7 +10,7 @@ from std_msgs.msg import UInt64
 
 from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.periodic.realtime import processor_share
-from robots_core.periodic.watchdog import LONGEST, LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
+from robots_core.periodic.watchdog import CHECKS, LONGEST, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -19,7 +19,7 @@ from robots_core.wording.safety_note import NOT_CERTIFIED
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
-MOST_LOOKS: Final = 8 * LOOKS
+MOST_CHECKS: Final = 8 * CHECKS
 """Looks within the timeout at a node that is about to be lost."""
 
 
@@ -97,8 +97,8 @@ class HeartbeatWatch:
         for name in names:
             beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
-        self._period = timeout / LOOKS
-        self._timer = node.create_timer(self._period, self._look)
+        self._period = timeout / CHECKS
+        self._timer = node.create_timer(self._period, self._check)
 
     @property
     def lost(self) -> tuple[str, ...]:
@@ -110,7 +110,7 @@ class HeartbeatWatch:
         """Names of the nodes that were not seen yet."""
         return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         now = self._node.now()
         remaining = math.inf
         for name, (beats, watchdog) in self._watched.items():
@@ -123,7 +123,7 @@ class HeartbeatWatch:
                 if not before:
                     self._on_change(name, f'{name} has died and was started anew')
                     before = True
-            if watchdog.look(now, alive=beat is not None, age=age):
+            if watchdog.check(now, alive=beat is not None, age=age):
                 reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
                 self._on_change(name, reason)
             elif before and not watchdog.lost:
@@ -131,11 +131,11 @@ class HeartbeatWatch:
             if watchdog.seen and not seen:
                 self._on_seen(name)
             remaining = min(remaining, watchdog.remaining)
-        self._look_again(remaining)
+        self._check_again(remaining)
 
-    def _look_again(self, remaining: float) -> None:
+    def _check_again(self, remaining: float) -> None:
         """At the regular time, or as soon as a node is lost by its silence."""
-        period = round(1e9 * min(self._period, max(remaining, self._timeout / MOST_LOOKS)))
+        period = round(1e9 * min(self._period, max(remaining, self._timeout / MOST_CHECKS)))
         if period != self._timer.timer_period_ns:
             self._timer.timer_period_ns = period
             self._timer.reset()

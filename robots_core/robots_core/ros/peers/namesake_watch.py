@@ -39,9 +39,9 @@ class NamesakeWatch:
         )
         self._beats = IdentifiedMessages(subscription)
         self._publishers = partial(publishers_of, node, topic)
-        node.create_timer(PERIOD, self._look)
+        node.create_timer(PERIOD, self._check)
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         earlier: set[bytes] = set()
         while (taken := self._beats.take()) is not None:
             beat, publisher = taken

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 PATIENCE: Final = 0.1  # s: a message may come before the name of its publisher's node
-LOOK_PERIOD: Final = 0.005  # s
+CHECK_PERIOD: Final = 0.005  # s
 
 UNKNOWN: Final = 'an unknown node'
 
@@ -44,5 +44,5 @@ class PublisherNames:
                 break
             if time.monotonic() >= deadline:
                 return UNKNOWN
-            time.sleep(LOOK_PERIOD)
+            time.sleep(CHECK_PERIOD)
         return self._names[identity]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from robots_core.periodic.realtime import processor_share
-from robots_core.periodic.watchdog import LOOKS, Watchdog
+from robots_core.periodic.watchdog import CHECKS, Watchdog
 
 HUNG: Final = 10.0
 """A callback that takes longer, s, waits for something that does not come."""
@@ -38,13 +38,13 @@ class ExecutorWatch:
         share: Callable[[], float] = processor_share,
     ) -> None:
         self._executor, self._on_hung = executor, on_hung
-        self._period = 0.5 * timeout / LOOKS
+        self._period = 0.5 * timeout / CHECKS
         self._watchdog = Watchdog(timeout, share)
         self._looking = threading.Lock()
         self._looked = -math.inf
         self._done = True
 
-    def look(self, now: float) -> bool:
+    def check(self, now: float) -> bool:
         """Whether callbacks return; from any thread, often within the timeout.
 
         Args:
@@ -53,7 +53,7 @@ class ExecutorWatch:
         with self._looking:
             if now - self._looked >= self._period:
                 self._looked = now
-                if self._watchdog.look(now, alive=self._done):
+                if self._watchdog.check(now, alive=self._done):
                     self._on_hung()
                 if self._done:
                     self._done = False

@@ -12,7 +12,7 @@ from robots_core.ros.peers.identified_messages import deliver
 from robots_core.ros.running.held_wait_set import HeldWaitSet
 from robots_core.ros.running.seldom_ready import SeldomReady
 
-TASK_PERIOD: Final = 0.005  # s between looks whether a coroutine that waits may go on
+TASK_PERIOD: Final = 0.005  # s between checks whether a coroutine that waits may go on
 
 
 class LeanExecutor(Executor):

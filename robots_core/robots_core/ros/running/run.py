@@ -79,7 +79,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             watch = ExecutorWatch(executor, partial(_report_hung, nodes[0]))
             for node in nodes:
                 if not node.simulated_time:
-                    heartbeats.append(Heartbeat(node, watch.look))
+                    heartbeats.append(Heartbeat(node, watch.check))
                     if node.alone:
                         NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node

@@ -18,7 +18,7 @@ class PolledSubscription:
     """Newest message of a topic, taken when asked for.
 
     Waking the executor costs several times what taking a message does; a loop that looks once per period
-    anyway needs no waking. In lock-step, what was sent in earlier phases is waited for when the loop looks:
+    anyway needs no waking. In lock-step, what was sent in earlier phases is waited for when the loop polls:
     the messages taken do not depend on the machine. One thread at a time takes messages.
 
     Args:

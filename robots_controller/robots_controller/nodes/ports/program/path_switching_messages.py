@@ -45,7 +45,7 @@ class PathSwitchingMessages:
         else:
             # Progress comes in every period; it is looked at only while there is something to switch, after
             # the controller and before any node that observes the outputs.
-            self._turn = node.participant.create_turn(self._look, phase=Phase.DRIVES)
+            self._turn = node.participant.create_turn(self._check, phase=Phase.DRIVES)
             self._progress = PolledSubscription(node, Float64, 'motion_progress')
 
     def _on_trajectory(self, data: bytes) -> None:
@@ -71,7 +71,7 @@ class PathSwitchingMessages:
             self._progress.take()  # of the motion before
             self._turn.ask(self._node.now())
 
-    def _look(self, now: float) -> None:
+    def _check(self, now: float) -> None:
         assert self._turn is not None
         message = self._progress.take()
         if message is not None:

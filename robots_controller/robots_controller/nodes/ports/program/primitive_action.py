@@ -24,7 +24,7 @@ from robots_core.validation import Array
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.nodes.primitive_messages import ACTION_TYPE, sequence_message
 
-LOOK_PERIOD: Final = 0.02  # s
+CHECK_PERIOD: Final = 0.02  # s
 STOPPED: Final = 'the robot has stopped by itself'
 
 
@@ -61,7 +61,7 @@ class PrimitiveAction:
         self.motions = PrimitiveMotions(node.robot, self, self._measured)
         self.control = PrimitiveControl(self.motions)
         self._due = node.create_guard_condition(self.motions.step)
-        node.create_timer(LOOK_PERIOD, self._look)
+        node.create_timer(CHECK_PERIOD, self._check)
         self._running_topic = driver.running
 
     def report_to(self, host: ProgramHost) -> None:
@@ -130,8 +130,8 @@ class PrimitiveAction:
         self._watch.measured(newest, self._node.now())
         return None if newest is None else newest.position
 
-    def _look(self) -> None:
-        self.motions.look(self._node.now())
+    def _check(self) -> None:
+        self.motions.check(self._node.now())
         if problem := self._watch.problem(self._node.now(), served=self.served):
             self._fail(problem)
 

@@ -123,7 +123,7 @@ def _keep_direction(solids: SolidArrays, i: int, j: int, result: Array, axis: Ar
 
 
 @compiled(counted=False)
-def _look(
+def _check_posture(
     body: BodyArrays,
     placed: PlacedArrays,
     q: Array,
@@ -242,7 +242,7 @@ def certify(
             s = lows[k] + 0.5 * width
             _evaluate(coefficients, s, q)
             work[0] += 1
-            blocked, count = _look(
+            blocked, count = _check_posture(
                 body, placed, q, turn, margins, pairs[begins[k] : begins[k] + counts[k]], left, worst
             )
             if blocked != FREE:
@@ -287,5 +287,7 @@ def certify_line(
 def blocking_pair(body: BodyArrays, placed: PlacedArrays, q: Array, margins: Array) -> int:
     """A pair that is closer than its margin in one posture, or FREE."""
     left, worst = np.empty(margins.size, dtype=np.int64), np.empty(1)
-    blocked, count = _look(body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, worst)
+    blocked, count = _check_posture(
+        body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, worst
+    )
     return left[0] if blocked == FREE and count > 0 else blocked
