@@ -220,7 +220,7 @@ class ControlLoop:
         Raises:
             RobotsError: it moves, or another cause is still there.
         """
-        self.controller.check_reset(besides=fault)
+        self.controller.check_reset(excluding=fault)
         self._mailbox.append(partial(self._release, fault))
 
     def reset(self) -> None:

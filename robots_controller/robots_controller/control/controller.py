@@ -238,11 +238,11 @@ class Controller:
         if fault.category is StopCategory.ZERO:
             self._let_go(now, reason)
 
-    def check_reset(self, besides: Fault | None = None) -> None:
+    def check_reset(self, excluding: Fault | None = None) -> None:
         """Check that the robot stands and nothing is there any more that stopped it.
 
         Args:
-            besides: A fault whose cause goes with the reset.
+            excluding: A fault whose cause goes with the reset.
 
         Raises:
             RobotsError: it moves, or something is.
@@ -251,7 +251,7 @@ class Controller:
             raise NotNowError('cannot reset: the robot is still moving')
         if self._feedback.lost:
             raise NotNowError(f'cannot reset: {NO_FEEDBACK}')
-        self.stops.check_reset(besides)
+        self.stops.check_reset(excluding)
 
     def reset(self) -> None:
         """Let the robot move again after a fault; it starts from where it stands.

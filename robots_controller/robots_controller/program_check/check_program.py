@@ -73,7 +73,7 @@ def _problems(program: str, options: argparse.Namespace) -> Iterable[ProgramProb
         return _walk(program, robot, cell, options)
     except ProgramError as error:
         return [ProgramProblem(error.file or program, error.line, error.reason)]
-    except RobotsError as error:  # of the header: the other programs are judged all the same
+    except RobotsError as error:  # of the header: the other programs are judged anyway
         return [ProgramProblem(program, 0, error.message)]
 
 

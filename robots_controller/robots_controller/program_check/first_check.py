@@ -54,5 +54,5 @@ def check_first(program: Path | str, sizes: Sizes) -> None:
     if problems:
         count = f'{len(problems)} problems' if len(problems) > 1 else 'a problem'
         raise ProgramError(
-            f'{Path(program).name} has {count}, and nothing was started; --no-check runs it all the same'
+            f'{Path(program).name} has {count}, and nothing was started; --no-check runs it anyway'
         )

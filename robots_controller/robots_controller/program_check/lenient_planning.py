@@ -1,4 +1,4 @@
-"""LenientPlanning: notes what is wrong with a motion, and brings the robot to its target all the same."""
+"""LenientPlanning: notes what is wrong with a motion, and brings the robot to its target anyway."""
 
 from __future__ import annotations
 

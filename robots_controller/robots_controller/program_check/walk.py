@@ -61,7 +61,7 @@ def walk_program(
 ) -> WalkResult:
     """Walk a program with ideal drives, once for each combination of the inputs at its start.
 
-    A motion that is refused is reported, and the robot brought to its target all the same, so that the rest
+    A motion that is refused is reported, and the robot brought to its target anyway, so that the rest
     of the program is walked too.
 
     Args:

@@ -76,16 +76,16 @@ class StopLatch:
         if state.drives_on and state.fault is not None and state.fault.category < StopCategory.TWO:
             self.state = StopState(state.fault, state.reason, drives_on=False)
 
-    def check_reset(self, besides: Fault | None = None) -> None:
+    def check_reset(self, excluding: Fault | None = None) -> None:
         """Check that nothing is there any more that stopped the robot.
 
         Args:
-            besides: A fault whose cause goes with the reset.
+            excluding: A fault whose cause goes with the reset.
 
         Raises:
             RobotsError: something is.
         """
-        if causes := [reason for fault, reason in self._causes.items() if fault is not besides]:
+        if causes := [reason for fault, reason in self._causes.items() if fault is not excluding]:
             raise NotNowError(f'cannot reset: {"; ".join(causes)}')
 
     def reset(self) -> None:

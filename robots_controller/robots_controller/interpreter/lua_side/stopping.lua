@@ -50,7 +50,7 @@ local function obey(code)
     local ok, failed, problem = pcall(attend, true)
     current_task = nil
     if stopped then error(STOP, 0) end
-    if not ok then held() end           -- no room on the stack to look around: hold all the same
+    if not ok then held() end           -- no room on the stack to look around: hold anyway
     if ok and failed then error(problem, 0) end
   end
 end
