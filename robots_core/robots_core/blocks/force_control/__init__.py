@@ -1,1 +1,1 @@
-"""Force control: pressing with a wanted force, and what must not happen to the force meanwhile."""
+"""Force control: pressing with a commanded force, and what must not happen to the force meanwhile."""

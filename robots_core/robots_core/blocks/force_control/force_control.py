@@ -1,4 +1,4 @@
-"""ForceControl: presses a tool along a direction with a wanted force while it may move across."""
+"""ForceControl: presses a tool along a direction with a commanded force while it may move across."""
 
 from __future__ import annotations
 
