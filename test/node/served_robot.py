@@ -69,10 +69,8 @@ class ServedRobot(Bench):
     def asked(self, ask: Any) -> Any:
         """The answer to a request, sent in the thread that takes answers: the client expects that."""
         futures: list[Any] = []
-        once = self.peer.create_guard_condition(lambda: futures.append(ask()))
-        once.trigger()
+        self.peer.executor.create_task(lambda: futures.append(ask()))
         self.wait(lambda: futures and futures[0].done(), 'the answer')
-        self.peer.destroy_guard_condition(once)
         return futures[0].result()
 
     def result(self, goal: Any) -> tuple[int, Any]:

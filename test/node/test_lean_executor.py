@@ -11,6 +11,8 @@ from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Int64
 from std_srvs.srv import Trigger
 
+from robots_core.ros.timed_node import TimedNode
+
 from .bench import Bench
 
 
@@ -91,6 +93,33 @@ def test_a_guard_condition_is_called_when_it_is_triggered(ros_nodes: Any) -> Non
     guard_condition = bench.peer.create_guard_condition(lambda: calls.append(1))
     guard_condition.trigger()
     bench.wait(lambda: calls == [1], 'a call')
+
+
+def test_a_trigger_that_the_middleware_has_lost_is_called_in_the_next_round(ros_nodes: Any) -> None:
+    node = ros_nodes.add(TimedNode('latched', context=ros_nodes.context))
+    calls: list[int] = []
+    guard_condition = node.create_guard_condition(lambda: calls.append(1))
+    guard_condition._triggered = True  # as of `trigger`, without the middleware
+    node.executor.wake()
+    ros_nodes.wait_for(lambda: calls == [1], what='a call')
+    guard_condition.trigger()
+    ros_nodes.wait_for(lambda: calls == [1, 1], what='another call')
+    ros_nodes.call(lambda: None)
+    assert calls == [1, 1]
+
+
+def test_a_guard_condition_that_is_triggered_by_its_callback_is_called_again(ros_nodes: Any) -> None:
+    node = ros_nodes.add(TimedNode('latched', context=ros_nodes.context))
+    calls: list[int] = []
+
+    def call() -> None:
+        calls.append(1)
+        if len(calls) < 3:
+            guard_condition.trigger()
+
+    guard_condition = node.create_guard_condition(call)
+    guard_condition.trigger()
+    ros_nodes.wait_for(lambda: len(calls) == 3, what='three calls')
 
 
 def test_a_cancelled_request_is_not_answered(ros_nodes: Any) -> None:

@@ -83,8 +83,7 @@ def test_a_motion_that_was_sent_before_the_controller_was_held_up_is_refused(ros
         assert bench.trajectories.wait_for_all_acked(Duration(seconds=10.0))
         bench.controller.held_up(60.0 * PATIENT)
 
-    once = bench.peer.create_guard_condition(hold_up)
-    once.trigger()
+    bench.peer.executor.create_task(hold_up)
     result = bench.result()
     assert not result.ok
     assert result.message == 'controller_node was held up after this was commanded; command it again'

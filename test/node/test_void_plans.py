@@ -56,8 +56,7 @@ def test_what_was_commanded_before_the_planner_was_held_up_is_refused(ros_nodes:
         assert publisher.wait_for_all_acked(Duration(seconds=10.0))
         bench.node.held_up(60.0)
 
-    once = bench.peer.create_guard_condition(hold_up)
-    once.trigger()
+    bench.peer.executor.create_task(hold_up)
     bench.wait(lambda: len(bench.results) >= len(stamps), 'the refusals')
     assert {result.message for result in bench.results} == {
         'planning_node was held up after this was commanded; command it again'

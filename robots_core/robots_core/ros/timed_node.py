@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Final
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -15,6 +16,7 @@ from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.timed_work import ScheduledLoop
+from robots_core.ros.running.latched_guard_condition import LatchedGuardCondition
 from robots_core.ros.running.loop import Loop, on_clock_set
 
 
@@ -95,6 +97,17 @@ class TimedNode(Node):
         if self.context.ok():  # otherwise shut down from outside: the thread only noticed it first
             self.journal.fatal(f'internal error: {error!r}')
             self.context.try_shutdown()
+
+    def create_guard_condition(
+        self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
+    ) -> LatchedGuardCondition:
+        """As `Node.create_guard_condition`, but no trigger is lost."""
+        group = callback_group or self.default_callback_group
+        guard_condition = LatchedGuardCondition(callback, group, context=self.context)
+        group.add_entity(guard_condition)
+        self._guards.append(guard_condition)
+        self._wake_executor()  # type: ignore[no-untyped-call]
+        return guard_condition
 
     def silence(self) -> float:
         """How long the process has given no sign of life, s: after it was frozen, until the next one."""

@@ -1,6 +1,6 @@
 """HeldWaitSet: entities of nodes, waited for together."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from typing import Any, Final
 
@@ -8,6 +8,8 @@ from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.waitable import NumberOfEntities
+
+from robots_core.ros.running.latched_guard_condition import LatchedGuardCondition
 
 # In the order in which `WaitSet` takes their numbers, and in which it returns them.
 KINDS: Final = ('subscription', 'guard_condition', 'timer', 'client', 'service')
@@ -59,7 +61,10 @@ class HeldWaitSet:
         for kind, entities in self._entities.items():
             if entities:
                 pointers = self._wait_set.get_ready_entities(kind)
-                found += [(kind, entities[pointer]) for pointer in pointers if pointer in entities]
+                ready = [entities[pointer] for pointer in pointers if pointer in entities]
+                if kind == 'guard_condition':
+                    ready = _triggered(entities.values(), ready)
+                found += [(kind, entity) for entity in ready]
         return found
 
     def take_waitables(self) -> list[tuple[Any, Any]]:
@@ -85,6 +90,14 @@ class HeldWaitSet:
 
     def _keep(self, handle: Any) -> bool:
         return _lives(self._held.enter_context, handle)
+
+
+def _triggered(guard_conditions: Iterable[Any], ready: Sequence[Any]) -> list[Any]:
+    return [
+        one
+        for one in guard_conditions
+        if (one.take() if isinstance(one, LatchedGuardCondition) else one in ready)
+    ]
 
 
 def _may_run(entity: Any) -> bool:
