@@ -6,7 +6,6 @@ another kind of motion or another function of robot programs.
 """
 
 from importlib import import_module
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
@@ -72,7 +71,8 @@ def main() -> None:
     packages = described_nodes()
     rclpy.shutdown()
     for package, nodes in packages.items():
-        (Path(str(files(package))) / TABLE).write_text(table_text(nodes), 'utf-8')
+        folders = package.split('.')
+        Path(folders[0], *folders, TABLE).write_text(table_text(nodes), 'utf-8')
     PAGE.write_text(page_text(packages), 'utf-8')
     write_pages()
 
