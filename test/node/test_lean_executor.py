@@ -6,7 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Int64
 from std_srvs.srv import Trigger
@@ -14,6 +16,8 @@ from std_srvs.srv import Trigger
 from robots_core.ros.timed_node import TimedNode
 
 from .bench import Bench
+
+UNACKNOWLEDGED = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class Intruder(Waitable):
@@ -175,3 +179,22 @@ def test_what_a_callback_raises_is_raised_where_the_executor_spins(ros_nodes: An
     guard_condition.trigger()
     with pytest.raises(LookupError, match='of the callback'):
         bench.wait(lambda: False, 'an error')
+
+
+@pytest.mark.parametrize('busy', [True, False])
+def test_events_of_a_subscription_are_called_beside_messages_and_without(
+    ros_nodes: Any, *, busy: bool
+) -> None:
+    bench = Bench(ros_nodes)
+    events: list[Any] = []
+    if busy:
+        received = bench.collect('steps', Int64, 1)
+        sender = bench.publisher('steps', Int64)
+        bench.peer.create_timer(1e-3, lambda: sender.publish(Int64()))
+        bench.wait(lambda: received, 'messages')
+    callbacks = SubscriptionEventCallbacks(incompatible_qos=events.append, use_default_callbacks=False)
+    bench.peer.create_subscription(Int64, 'acknowledged', lambda _: None, 1, event_callbacks=callbacks)
+    ros_nodes.call(lambda: None)  # a round that waits for the subscription's events
+    for number in (1, 2):
+        bench.peer.create_publisher(Int64, 'acknowledged', UNACKNOWLEDGED)
+        bench.wait(lambda number=number: sum(one.total_count_change for one in events) == number, 'an event')

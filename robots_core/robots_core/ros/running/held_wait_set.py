@@ -1,5 +1,6 @@
 """HeldWaitSet: entities of nodes, waited for together."""
 
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from typing import Any, Final
@@ -13,6 +14,7 @@ from robots_core.ros.running.latched_guard_condition import LatchedGuardConditio
 
 # In the order in which `WaitSet` takes their numbers, and in which it returns them.
 KINDS: Final = ('subscription', 'guard_condition', 'timer', 'client', 'service')
+EVENT_PERIOD: Final = 100_000_000  # ns; waiting for an event costs as much as waiting for a subscription
 
 
 class HeldWaitSet:
@@ -22,17 +24,26 @@ class HeldWaitSet:
         context: Of the entities.
         entities: By kind, one of `KINDS`.
         waitables: Each with any number of entities.
+        events: Waitables that may be up to 0.1 s late while others are ready all the time.
     """
 
     def __init__(
-        self, context: Context, entities: Mapping[str, Sequence[Any]], waitables: Sequence[Any] = ()
+        self,
+        context: Context,
+        entities: Mapping[str, Sequence[Any]],
+        waitables: Sequence[Any] = (),
+        events: Sequence[Any] = (),
     ) -> None:
         self._held = ExitStack()
         self._keep(context.handle)
         self._entities = {kind: self._hold(entities.get(kind, ())) for kind in KINDS}
-        self._waitables = [one for one in waitables if _may_run(one) and self._keep(one)]
+        self._waitables, self._events = (
+            [one for one in ones if _may_run(one) and self._keep(one)] for ones in (waitables, events)
+        )
+        self._events_due = 0
+        self._waits_for_events = False
         total = NumberOfEntities(*(len(self._entities[kind]) for kind in KINDS))
-        for waitable in self._waitables:
+        for waitable in (*self._waitables, *self._events):
             total += waitable.get_num_entities()
         counts = (getattr(total, name) for name in NumberOfEntities.__slots__)
         self._wait_set = rclpy_implementation.WaitSet(*counts, context.handle)
@@ -43,7 +54,7 @@ class HeldWaitSet:
         ]
 
     def wait(self, timeout: int) -> None:
-        """Wait until anything is ready.
+        """Wait until anything is ready, or until events are due.
 
         Args:
             timeout: ns; negative: without end.
@@ -53,7 +64,15 @@ class HeldWaitSet:
         for add, handle in self._adds:
             add(handle)
         self._waitables = [one for one in self._waitables if _lives(one.add_to_wait_set, wait_set)]
+        until_events = self._events_due - time.monotonic_ns()
+        self._waits_for_events = until_events <= 0 and bool(self._events)
+        if self._waits_for_events:
+            self._events = [one for one in self._events if _lives(one.add_to_wait_set, wait_set)]
+        elif self._events and not 0 <= timeout < until_events:
+            timeout = until_events
         wait_set.wait(timeout)
+        if self._waits_for_events:
+            self._events_due = time.monotonic_ns() + EVENT_PERIOD
 
     def ready(self) -> list[tuple[str, Any]]:
         """Kinds and entities that the last wait has found ready, in the order of their kinds."""
@@ -68,9 +87,9 @@ class HeldWaitSet:
         return found
 
     def take_waitables(self) -> list[tuple[Any, Any]]:
-        """Waitables that the last wait has found ready, and what is taken from each."""
+        """Waitables and events that the last wait has found ready, and what is taken from each."""
         found: list[tuple[Any, Any]] = []
-        for waitable in self._waitables:
+        for waitable in (*self._waitables, *(self._events if self._waits_for_events else ())):
             if waitable.is_ready(self._wait_set):
                 with suppress(InvalidHandle):
                     found.append((waitable, waitable.take_data()))

@@ -19,8 +19,9 @@ class LeanExecutor(Executor):
     """Calls callbacks in the thread that spins; they are plain functions, those of waitables are coroutines.
 
     rclpy's `SingleThreadedExecutor` looks through all entities of its nodes and builds a wait set in every
-    round. This one builds it when entities were created or destroyed, and leaves what is seldom ready,
-    services, clients and events of publishers, to another thread. Any thread may create and destroy entities.
+    round. This one builds it when entities were created or destroyed, leaves what is seldom ready, services,
+    clients and events of publishers, to another thread, and waits for events of subscriptions ten times a
+    second while messages come. Any thread may create and destroy entities.
 
     rclpy's other executors are no choice: with the packages from PyPI, `MultiThreadedExecutor` takes many
     times the processor and `EventsExecutor` hangs.
@@ -119,13 +120,16 @@ class LeanExecutor(Executor):
             'client': [one for node in nodes for one in node.clients],
             'service': [one for node in nodes for one in node.services],
         }
-        # Events of a subscription are not seldom ready: the middleware looks at them with each message.
+        # The middleware looks at events of a subscription with each message: waiting for them in another
+        # thread would end that wait with each.
         publishers: list[Any] = [one for node in nodes for one in node.publishers]
-        events = {event for publisher in publishers for event in publisher.event_handlers}
-        waitables = [one for node in nodes for one in node.waitables]
+        received = [event for one in often['subscription'] for event in one.event_handlers]
+        sent = [event for one in publishers for event in one.event_handlers]
+        events = {*received, *sent}
+        waitables = [one for node in nodes for one in node.waitables if one not in events]
         self._often.close()
-        self._often = HeldWaitSet(self.context, often, [one for one in waitables if one not in events])
-        self._seldom.replace(seldom, [one for one in waitables if one in events])
+        self._often = HeldWaitSet(self.context, often, waitables, received)
+        self._seldom.replace(seldom, sent)
 
     def _call_client(self, client: Any) -> None:
         header, response = client.handle.take_response(client.srv_type.Response)
