@@ -1,9 +1,10 @@
 """Planners next to their peers, in one process, turn by turn.
 
-Run by `make benchmark-planning`. The same joint paths and limits, torques included, go to our dynamic
-programming and to toppra (seidel); the reference is toppra with 5000 intervals. Limits are checked at 10 kHz
-with the robot's own dynamics (Pinocchio). Medians over the lines, or the worst of them; times are medians
-over repetitions in turn, of the processor's time, so that other processes hardly count.
+Run by `make benchmark-planning`. The same lines and limits, torques included, go to our dynamic programming
+and to toppra (seidel), which gets the joint path of the inverse kinematics: of a robot with self-motion our
+planner may choose another, faster one. The reference is toppra with 5000 intervals. Limits are checked at
+10 kHz with the robot's own dynamics (Pinocchio). Medians over the lines, or the worst of them; times are
+medians over repetitions in turn, of the processor's time, so that other processes hardly count.
 """
 
 from __future__ import annotations
