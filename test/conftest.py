@@ -40,7 +40,7 @@ settings.load_profile('robots')
 AnyNode = TypeVar('AnyNode')
 
 WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
-SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
+SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is checked
 WAITING = {'bag', 'cell', 'node', 'page'}  # folders of tests that start nodes
 INTERLEAVED = 0.85  # part of the other tests of a share
 

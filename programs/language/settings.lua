@@ -20,7 +20,7 @@ linearRelative(0, 0, -0.1, 0, 0, 0)
 setJerkLimited(false)
 setPlanner(nil, "limited")
 
--- Joint motions around what is in the way; here nothing is.
+-- Joint motions around obstacles; here there are none.
 setAvoid(true, 2, 'replan')  -- and around an obstacle that comes into the path
 ptpJointSpaceAnglesRelative(10, 0, 0, 0, 0, 0)
 setAvoid(false)

@@ -14,8 +14,8 @@
 
 ---Switches an output while the robot moves: one place, one output, its value.
 ---@class PathSwitch
----@field distance_before_end? number m, on the way of the tool
----@field distance_after_start? number m, on the way of the tool
+---@field distance_before_end? number m, along the tool path
+---@field distance_after_start? number m, along the tool path
 ---@field time_before_end? number s
 ---@field time_after_start? number s
 ---@field output? integer|string digital output
@@ -33,12 +33,12 @@
 
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut
----@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field avoid? boolean|0|1 whether joint motions go around obstacles
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
----@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field avoid? boolean|0|1 whether joint motions go around obstacles
 ---@field on_blocked? "stop"|"replan" what an obstacle does that comes into the path of a motion with avoid
 ---@field on_path? PathSwitch|PathSwitch[]
 
@@ -195,7 +195,7 @@ function setConfiguration(configuration) end
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
 
----Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same. An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that from where the robot stands, at most `most` times (5).
+---Lets joint motions go around obstacles. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same. An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that from where the robot stands, at most `most` times (5).
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param budget? number longest search for a path around obstacles (s)
 ---@param on_blocked? "stop"|"replan" one of stop, replan

@@ -116,7 +116,7 @@ def process(nodes: list[dict[str, Any]], namespace: str) -> Node:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What `ros2 launch` asks for."""
+    """What `ros2 launch` requests."""
     return LaunchDescription(
         [
             SetEnvironmentVariable(

@@ -45,11 +45,11 @@ class MotionSettings:
             'linear_joint_axes' (every axis as fast as it can), or another that is installed.
         cartesian_planner: Planner of Cartesian motions: 'limited' (velocity and acceleration),
             'dynamic_programming' (torque too, and configurations), or another that is installed.
-        avoid: Joint motions go around what is in the way, planned by 'collision_free' instead of
+        avoid: Joint motions go around obstacles, planned by 'collision_free' instead of
             `joint_planner`; where a line collides, the refusal says whether such a motion is free.
         avoid_budget: Longest search for a path around obstacles, in seconds at 25 000 postures per second:
             what is found does not depend on the computer.
-        on_blocked: What becomes of a motion that goes around what is in the way if an obstacle comes into
+        on_blocked: What becomes of a motion that goes around obstacles if one comes into
             its path and stops it: 'stop' ends it, 'replan' leads it around from where the robot stands.
         most_replans: How often one motion may go on so, 1 to 100.
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
@@ -213,7 +213,7 @@ DESCRIPTIONS: Final = {
     'jerk_limited': 'keep jerk limits on Cartesian motions and in blended chains too',
     'joint_planner': 'planner of joint motions: the name of an installed one',
     'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
-    'avoid': 'joint motions go around what is in the way',
+    'avoid': 'joint motions go around obstacles',
     'avoid_budget': 'longest search for a path around obstacles, s at 25 000 postures per second',
     'on_blocked': "what an obstacle in the path does to a motion with avoid: 'stop', or 'replan' around it",
     'most_replans': 'how often one motion may be replanned',

@@ -24,7 +24,7 @@ def trajectory_through(
 
     As far as they are given, velocities and accelerations are passed exactly, with quintics in between, as in
     ros2_control. Positions alone are joined by the cubic spline with continuous acceleration that rests at
-    both ends. Limits are not looked at: `verify` does that.
+    both ends. Limits are not checked: `verify` does that.
 
     Args:
         time: From the start, (m,), s, increasing, from 0 or later.

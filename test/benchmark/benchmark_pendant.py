@@ -278,10 +278,12 @@ def row(what: str, ours: str, peer: str = '', goal: str = '', *, bad: bool = Fal
 def main() -> None:
     """Measure, and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('duration', type=float, nargs='?', default=3600.0, help='of the look at memory, s')
+    parser.add_argument(
+        'duration', type=float, nargs='?', default=3600.0, help='in which memory is measured, s'
+    )
     parser.add_argument('--robot', default='kuka_kr210_r2700')
     parser.add_argument('--count', type=int, default=30, help='presses of a button')
-    parser.add_argument('--seconds', type=float, default=20.0, help='of a look at the controller')
+    parser.add_argument('--seconds', type=float, default=20.0, help='in which the controller is measured')
     parser.add_argument('--rounds', type=int, default=3, help='with viewers and without')
     parser.add_argument('--markdown', action='store_true', help='print Markdown')
     options = parser.parse_args()

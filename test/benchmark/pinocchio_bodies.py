@@ -49,7 +49,7 @@ class PinocchioBodies:
     def path_in_contact(self, postures: np.ndarray, reach: float, step: float) -> bool:
         """Whether anything is in contact on a polyline, sampled so that no point moves farther than `step`.
 
-        A pair is not looked at where its last distance excludes a contact: two bodies that are `d` apart
+        A pair is not checked where its last distance excludes a contact: two bodies that are `d` apart
         can meet after d / (2 step) samples at the earliest.
 
         Args:

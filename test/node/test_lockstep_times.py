@@ -1,4 +1,4 @@
-"""The simulated times of recorded messages, however late a topic is looked at."""
+"""The simulated times of recorded messages, however late a topic is read."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def test_a_topic_that_is_looked_at_before_the_others_keeps_its_instants() -> Non
     times = LockstepTimes(clocks)
     clocks.sent = 2
     found = [*times.stamped([message(0, 1)], last=False)]
-    # Before this look at a second topic and at the clock two instants have passed, and the first topic, which
-    # was looked at already, has sent.
+    # Before a second topic and the clock are read, two instants have passed, and a message has come on the
+    # first topic, which was read already.
     clocks.sent = 4
     found += times.stamped([message(2, 7), message(3, 7)], last=False)
     clocks.sent = 5

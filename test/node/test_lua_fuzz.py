@@ -159,7 +159,7 @@ class FuzzBench(Bench):
         return self.state()
 
     def end_program(self) -> None:
-        """Hold the program, look at it, let it continue, and stop it."""
+        """Hold the program, inspect it, let it continue, and stop it."""
         if self.ask('pause').success:
             self.ask('get_call_stack')
             self.ask('step')

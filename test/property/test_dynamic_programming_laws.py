@@ -47,7 +47,7 @@ def line_from(
 
 
 @pytest.mark.parametrize('name', available_robot_models())
-@settings(max_examples=8)  # every plan is looked at 1000 times a second with inverse dynamics
+@settings(max_examples=8)  # every plan is checked 1000 times a second with inverse dynamics
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=7, max_size=7),
     ways=st.tuples(direction, direction),

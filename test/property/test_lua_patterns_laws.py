@@ -86,5 +86,5 @@ def test_substitutions_agree(subject: str, pattern: str, by: bytes):
 @given(subject=st.text(alphabet='ab', max_size=3), pattern=st.text(alphabet='a%[](b)^$f1*-.', max_size=8))
 def test_what_lua_refuses_is_refused(subject: str, pattern: str):
     theirs, ours = compare(b'match', subject.encode(), pattern.encode(), None)
-    # Lua looks at a pattern as far as it gets; ours reads it whole before it begins.
+    # Lua reads a pattern as far as it gets; ours reads it whole before it begins.
     assert ours in (theirs, b'fails')

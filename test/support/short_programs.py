@@ -42,7 +42,7 @@ SHORTENED = {
 }
 
 
-# For runs that are compared with others and not looked at: as long as it takes for all of it to happen.
+# For runs that are only compared with others: as long as it takes for all of it to happen.
 SHORTEST = SHORTENED | {
     'motion_simulator/on_linear_axis.lua': {'TIME = 26': 'TIME = 1'},
     'motion_simulator.lua': {'TIME = 26': 'TIME = 1'},

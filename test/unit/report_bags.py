@@ -1,4 +1,4 @@
-"""The bag that the report's tests look at: waits, a joint motion, a line, inputs and outputs."""
+"""The bag that the report's tests read: waits, a joint motion, a line, inputs and outputs."""
 
 from __future__ import annotations
 

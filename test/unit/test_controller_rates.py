@@ -1,4 +1,4 @@
-"""How often the controller looks at the feedback."""
+"""How often the controller checks the feedback."""
 
 from __future__ import annotations
 

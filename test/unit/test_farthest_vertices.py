@@ -1,4 +1,4 @@
-"""farthest_vertices: no direction has its farthest vertex among those that are not looked at."""
+"""farthest_vertices: no direction has its farthest vertex among those that are left out."""
 
 from __future__ import annotations
 

@@ -240,7 +240,7 @@ def test_a_server_that_sends_what_is_no_opc_ua_is_left_and_tried_again(answer: b
     bench.until(lambda: babbler.clients >= 3, 'three attempts')
     bench.until(lambda: problem in str(bench.bridge.problems), 'the reason')
     *before, reason = [told for told in bench.told if told.startswith('opcua line: ')]
-    # The first attempt may have failed before the bridge looks at all.
+    # The first attempt may have failed before the bridge reads at all.
     assert before in ([], ['opcua line: not connected yet'])
     assert problem in reason
     bench.close()

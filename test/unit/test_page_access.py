@@ -172,7 +172,7 @@ def test_wrong_passwords_are_delayed(guarded: Guarded) -> None:
     assert (first.status_code, first.headers['retry-after']) == (403, '1')
     assert COOKIE not in first.cookies
     assert guarded.told == ["the operator's page refused a wrong password from 127.0.0.1"]
-    held = guarded.log_in(PASSWORD)  # the right one, too early: it is not looked at
+    held = guarded.log_in(PASSWORD)  # the right one, too early: it is not checked
     assert held.status_code == 429
     guarded.time = 1.0
     assert guarded.log_in(PASSWORD).status_code == 303

@@ -85,7 +85,7 @@ class Caller:
     def _call(self, function: object, arguments: tuple[object, ...]) -> None:
         try:
             function(*arguments)  # type: ignore[operator]
-        except BaseException as error:  # noqa: BLE001  # looked at by the test
+        except BaseException as error:  # noqa: BLE001  # judged by the test
             self.error = error
 
     def ended(self) -> BaseException | None:

@@ -109,7 +109,7 @@ class ProgramMotions:
         """A motion has ended."""
         with self._lock:
             if result.blocked and result.id in self._sent:
-                # The planner leads the motion around, or ends it with what is in the way.
+                # The planner leads the motion around, or ends it and names the obstacle.
                 self._blocked[result.id] = (self._clock.now(), result)
                 self._on_blocked(result.id)
                 return

@@ -51,7 +51,7 @@ class CellClient:
             cell.program.run()
             cell.program.wait()
 
-    Motions go the way of those of robot programs: planning_node plans them with the settings given here, the
+    Motions run like those of robot programs: planning_node plans them with the settings given here, the
     collision check comes before them, and controller_node executes them in their order. They may be commanded
     ahead; those whose settings have a blend zone run through to the next one. The client is the commander
     REMOTE: a free robot follows it at once; `take_command` keeps others away. Robot programs need the robot

@@ -41,7 +41,7 @@ class CommandAuthority:
 
         A program that leaves a mode in which run is held moves the robot again when it has taken it anew.
         """
-        # Before the mode: the thread that asks for `enabled` must not see the new one alone.
+        # Before the mode: the thread that reads `enabled` must not see the new one alone.
         if self.commander is Commander.PROGRAM and MODES[self.mode].held:
             self._suspended = True
         self.mode = mode

@@ -33,15 +33,15 @@ class ControllerRates:
         checks = rate / self._settling_every
         self._feedback_every = self._settling_every * cycles(checks, max(FEEDBACK_RATE, least))
         self.holding_every = self._settling_every * cycles(checks, max(HOLDING_RATE, least))
-        """The feedback of a robot that stands is looked at each so many cycles."""
+        """The feedback of a robot that stands is checked each so many cycles."""
 
     def feedback_due(self, cycle: int, controller: Controller) -> bool:
-        """The controller looks at the feedback in this cycle."""
+        """The controller checks the feedback in this cycle."""
         # Most cycles are done with at the first condition.
         return cycle % self._settling_every == 0 and cycle % self.feedback_every(controller) == 0
 
     def feedback_every(self, controller: Controller) -> int:
-        """The controller looks at the feedback each so many cycles, as long as its state stays."""
+        """The controller checks the feedback each so many cycles, as long as its state stays."""
         state = controller.state
         if state is ControllerState.SETTLING:
             return self._settling_every
@@ -54,5 +54,5 @@ def cycles(rate: float, times: float) -> int:
 
 
 def idle_latency_for(rate: float) -> float:
-    """Idle latency that a loop of this rate (Hz) asks for by default, s; negative for none."""
+    """Idle latency that a loop of this rate (Hz) requests by default, s; negative for none."""
     return 0.0 if rate >= AWAKE_RATE else -1.0

@@ -25,7 +25,7 @@ OTHER_AXES: Final = (3, 4, 5, 7)
 _OPTIONS: Final = {'cartesian': 'CartesianOptions', 'joint': 'JointOptions'}
 
 _ANCHOR_FIELDS: Final = '\n'.join(
-    f'---@field {anchor}? number {"m, on the way of the tool" if anchor.startswith("distance") else "s"}'
+    f'---@field {anchor}? number {"m, along the tool path" if anchor.startswith("distance") else "s"}'
     for anchor in kinds.ANCHORS
 )
 
@@ -61,12 +61,12 @@ HEADER: Final = f"""---@meta
 
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut
----@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field avoid? boolean|0|1 whether joint motions go around obstacles
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
----@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field avoid? boolean|0|1 whether joint motions go around obstacles
 ---@field on_blocked? "stop"|"replan" what an obstacle does that comes into the path of a motion with avoid
 ---@field on_path? PathSwitch|PathSwitch[]
 """

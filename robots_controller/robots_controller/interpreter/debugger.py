@@ -23,7 +23,7 @@ class Variable:
         name: Its name, or key.
         value: As a person reads it.
         type: Lua's type.
-        entries: Those of a table, as far as they were looked at.
+        entries: Those of a table, as far as they were requested.
     """
 
     name: str

@@ -21,7 +21,7 @@ class Condition:
 
     Attributes:
         met: It holds.
-        period: How often it is looked at, s; None where changes of inputs are looked at alone.
+        period: How often it is evaluated, s; None where it is evaluated at changes of inputs alone.
     """
 
     met: Callable[[], bool]
@@ -34,7 +34,7 @@ class MotionOptions:
 
     Attributes:
         blend: Zone of the corner, m or rad; 0 for none.
-        avoid: Whether this motion goes around what is in the way; None as it is set.
+        avoid: Whether this motion goes around obstacles; None as it is set.
         on_blocked: What an obstacle does that comes into its path, one of `ON_BLOCKED`; None as it is set.
         switches: Outputs to switch on the way.
         until: Ends the motion where it holds.

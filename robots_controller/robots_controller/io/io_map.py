@@ -209,7 +209,7 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int, known:
 
 
 def _check_bit(item: YamlSection, place: Place, bit: int | None) -> None:
-    """Check a bit of a place that knows its type; those of topics are checked where the message is known."""
+    """Check a bit of a place that has a type; those of topics are checked where the message is known."""
     kind = getattr(place, 'kind', '')
     if bit is None or not kind:
         return

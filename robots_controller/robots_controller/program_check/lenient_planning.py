@@ -25,7 +25,7 @@ class LenientPlanning(PathPlanning):
 
     What takes its place is the same motion without the check for collisions, or a joint motion to its
     target, or, to a target that cannot be reached, none. So a program continues, and its other motions are
-    looked at from where they begin. After a target that was not reached that is not so: what is wrong with
+    judged from where they begin. After a target that was not reached that is not so: what is wrong with
     the path of a tool from there is not reported.
 
     Args:

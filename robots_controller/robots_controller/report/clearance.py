@@ -51,7 +51,7 @@ class Clearance:
 def clearance(run: RecordedRun, scene: Scene) -> Clearance | None:
     """The distances of a run in a scene; None if there is nothing to come close to, or no motion.
 
-    The path between the samples of the drives is looked at too: nothing is missed.
+    The path between the samples of the drives is checked too: nothing is missed.
 
     Raises:
         InvalidInputError: the scene does not fit the robot.

@@ -48,7 +48,7 @@ def deciding_limit(
 
     An axis reaches a limit at its full value. The speed or acceleration of a tool that follows a path is
     reached where it stays at its highest value: it is as fast as it was set to be. If nothing is reached,
-    the program asks for less than full speed of the axes, and the highest use decides.
+    the program requests less than full speed of the axes, and the highest use decides.
 
     Args:
         time: (k,) s.

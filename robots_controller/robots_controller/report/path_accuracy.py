@@ -13,7 +13,7 @@ from robots_core.blocks.inverse_kinematics.hold import held_by
 from robots_core.validation import Array
 
 NEIGHBOURS: Final = 3
-"""Nearest points whose segments are looked at: where a path turns sharply the nearest alone may mislead."""
+"""Nearest points whose segments are compared: where a path turns sharply the nearest alone may mislead."""
 
 
 def distance_to_path(points: Array, path: Array) -> Array:

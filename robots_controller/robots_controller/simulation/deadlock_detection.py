@@ -6,7 +6,7 @@ from robots_controller.simulation.record.recording import Recording
 
 # A robot that stands for this long in the middle of a motion, with nothing left that could change that.
 STUCK_TIME: Final = 10.0  # s
-# A program that computes or asks for so long while nothing can change: 4e8 instructions or 1.5e6 calls.
+# A program that computes or calls so long while nothing can change: 4e8 instructions or 1.5e6 calls.
 BUSY_TIME = 30.0  # s
 
 

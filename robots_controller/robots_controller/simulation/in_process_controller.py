@@ -92,7 +92,7 @@ class InProcessController:
                 assert before is not None
                 if not self.controller.check(clock.now(), self.position, before):
                     break
-            # The drives move until the controller looks at their feedback again.
+            # The drives move until the controller checks their feedback again.
             end = min(passed + every - cycle % every, len(span))
             if not self.holding:
                 self._report_progress(cycle, span.progress[passed:end])

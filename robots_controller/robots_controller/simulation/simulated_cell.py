@@ -42,7 +42,7 @@ class SimulatedCell:
         drive: Level of the drives.
         bag: Folder of a bag to write, or None.
         longest: Longest simulated time, s.
-        patience: Longest time of this machine from now on, s; looked at between periods and motions.
+        patience: Longest time of this machine from now on, s; checked between periods and motions.
         on_progress: Called now and then: time in s, line of the program. For a progress bar.
         longest_span: So many periods may pass at once; 0 steps through each. The run is the same.
 

@@ -137,7 +137,7 @@ class Visualizer:
         self._shown = np.array(q)
 
     def follow(self, q: Array) -> None:
-        """As `update` while a browser shows the page; else only keep the way of the tool for the next one.
+        """As `update` while a browser shows the page; else only keep the tool path for the next one.
 
         Raises:
             InvalidInputError: `q` of another shape or not finite.

@@ -52,7 +52,7 @@ class TopicQos:
     Attributes:
         published: Of its publishers in the suite.
         subscribed: Of the subscriptions that a subscriber has at once.
-        polled: Of the subscription of a loop that looks for the newest message itself.
+        polled: Of the subscription of a loop that takes the newest message itself.
         unacknowledged: Publishers that are not reliable are received too, by one more subscription that is
             made when there is one.
     """

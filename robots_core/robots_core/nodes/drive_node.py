@@ -43,7 +43,7 @@ FAULTS = {
 }
 
 
-# At the end of a motion, while drives settle, controller_node looks at the feedback of each period.
+# At the end of a motion, while drives settle, controller_node checks the feedback of each period.
 RESTED: Final = 0.5  # s
 
 

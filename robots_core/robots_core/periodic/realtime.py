@@ -14,7 +14,7 @@ IDLE_LATENCY_DEVICE = Path('/dev/cpu_dma_latency')
 LOAD = Path('/proc/loadavg')
 TASKS = Path('/proc/self/task')
 PRESSURE = Path('/proc/pressure/cpu')
-# A shorter time says little; in a longer one, more has happened than what is looked at.
+# A shorter time says little; in a longer one, more has happened than what is measured.
 SHORTEST_STALL: Final = 0.005  # s
 LONGEST_STALL: Final = 0.5  # s
 CHECKS: Final = 10
@@ -108,11 +108,11 @@ def _runs(thread: Path) -> bool:
 def idle_latency(latency: float | None) -> Iterator[bool]:
     """Keep idle processors, all of them, from sleeping so deeply that they wake up late.
 
-    Linux keeps to the smallest latency that any process asks for as long as it does (its PM quality of
+    Linux keeps to the smallest latency that any process requests as long as it does (its PM quality of
     service interface). The price is power: at 0 s no processor sleeps.
 
     Args:
-        latency: Longest time to wake up, s; None asks for nothing.
+        latency: Longest time to wake up, s; None requests nothing.
 
     Yields:
         True if the system permits it; the request holds inside the context.

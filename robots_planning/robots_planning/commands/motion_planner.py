@@ -275,7 +275,7 @@ class MotionPlanner:
     def _end_blocked(
         self, motion: RunningMotion, result: MotionResult, progress: float, replans: int
     ) -> None:
-        """Say what is in the way of a motion that does not go around it."""
+        """Report the obstacles of a motion that does not go around it."""
         trajectory = motion.trajectory
         what = self.planning.obstacle_ahead(trajectory, progress * trajectory.duration)
         again = ''

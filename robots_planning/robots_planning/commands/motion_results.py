@@ -8,7 +8,7 @@ from robots_core.status import Status
 PASSED: Final = 'passed'
 """The motion ran through to the next one."""
 BLOCKED: Final = 'stopped before a collision'
-"""Something is in the way: the motion goes around it, or ends here."""
+"""An obstacle is ahead: the motion goes around it, or ends here."""
 
 
 def plan_status(id_: str, ends: Mapping[str, float]) -> Status:

@@ -1,4 +1,4 @@
-"""FreePathSearch: a certified path between postures around all that is in the way."""
+"""FreePathSearch: a certified path between postures around all obstacles."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from robots_core.validation import Array
 from robots_planning.free_paths.search_kernel import Random, Tree, duration, grow, shorten
 
 POSTURES_PER_SECOND: Final = 25_000
-"""What a search looks at in a second of its budget; one posture takes 5 to 10 us on an AMD EPYC core."""
+"""What a search checks in a second of its budget; one posture takes 5 to 10 us on an AMD EPYC core."""
 PAIRS: Final = 8000  # of solids that a posture of the budget has at most; one with more counts as several
-SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 5 ms
+SLICE: Final = 500  # postures that are checked before a cancellation is seen, 5 ms
 CAPACITY: Final = 1024  # rows of a tree at first
 # Changes of a path that are tried to make it take less time, and postures after which no more are: at first,
 # to compare it with another one, and afterwards.
 FIRST_CHANGES: Final = 20, 400
 CHANGES: Final = 60, 1100
 DETOUR: Final = 1.8  # of the straight motion's time; a path that takes longer is worth a second search,
-SECOND_SEARCH: Final = 1500  # which may look at so many postures
+SECOND_SEARCH: Final = 1500  # which may check so many postures
 MOST_BLOCKING: Final = 3  # pairs that a refusal names
 # How far beyond start and target postures are sampled, rad (m): close by first, where short paths are, and
 # farther away with the number of postures in vain.

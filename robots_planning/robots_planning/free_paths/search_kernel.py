@@ -101,7 +101,7 @@ def grow(
     work: Indices,
     until: int,
 ) -> tuple[int, int]:
-    """Grow both trees until they meet, are full, or enough postures were looked at.
+    """Grow both trees until they meet, are full, or enough postures were checked.
 
     Args:
         body: The robot and its scene.
@@ -116,7 +116,7 @@ def grow(
         blocked: Gets how often each pair blocked an edge, (p,).
         closest: Gets the smallest distance between the trees that was met, and the rows of both, (3,).
         random: Random numbers.
-        work: Number of postures that were looked at.
+        work: Number of postures that were checked.
         until: Value of `work` at which to return.
 
     Returns:
@@ -243,7 +243,7 @@ def shorten(
         tries: Number of changes that are tried.
         most: Number of postures after which no more are tried.
         random: Random numbers.
-        work: Number of postures that were looked at.
+        work: Number of postures that were checked.
     """
     path = _without_detours(body, placed, margins, path, work)
     n, step, time, until = path.shape[1], STEP, duration(axes, path), work[0] + most

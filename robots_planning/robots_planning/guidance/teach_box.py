@@ -229,7 +229,7 @@ class TeachBox:
         velocity_interval(q, q_dot, *self._limits, dt, self._low, self._high)
         wanted = np.clip(self._command, -axes.velocity, axes.velocity)
         change = axes.acceleration * dt
-        # What stands in the way of going on as fast, or even of starting.
+        # Reasons not to continue as fast, or not even to start.
         blocked = ((wanted > 0.0) & (self._high < np.minimum(wanted, q_dot + change))) | (
             (wanted < 0.0) & (self._low > np.maximum(wanted, q_dot - change))
         )

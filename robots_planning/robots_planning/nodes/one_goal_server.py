@@ -69,7 +69,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
 
     @abstractmethod
     async def _run(self, goal: AnyGoal) -> Outcome:
-        """Do what the goal asks for; returns when that has ended.
+        """Do what the goal requests; returns when that has ended.
 
         Raises:
             RobotsError: the goal is refused.

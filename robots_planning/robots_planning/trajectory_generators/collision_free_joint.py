@@ -1,4 +1,4 @@
-"""CollisionFreeJoint: point-to-point motion of the axes around all that is in the way."""
+"""CollisionFreeJoint: point-to-point motion of the axes around all obstacles."""
 
 from __future__ import annotations
 

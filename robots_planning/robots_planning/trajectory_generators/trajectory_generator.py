@@ -192,7 +192,7 @@ class TrajectoryGenerator(ABC):
         return None
 
     def geometry(self, start: Pose, target: Target) -> ToolGeometry:  # noqa: ARG002  # a hook
-        """What verification compares the way of the tool from pose `start` with; nothing by default."""
+        """What verification compares the tool path from pose `start` with; nothing by default."""
         return {}
 
     def _check(self, trajectory: Trajectory, start: Array) -> None:

@@ -154,7 +154,7 @@ def verify(
     from inverse dynamics at 250 Hz.
 
     Args:
-        trajectory: What to look at.
+        trajectory: The one to verify.
         robot: Whose limits hold.
         line: First and last pose of a straight tool line with rotation about one axis to stay on.
         path: Any other path of the tool to stay on.

@@ -12,7 +12,7 @@ PERIOD: Final = 0.004  # s, of references and feedback
 LATE: Final = 0.002  # s: a period is missed if its message is sent later than that
 GAP: Final = 1.5  # periods between the stamps of two messages
 PERCENTILES: Final = (50.0, 99.0, 99.9, 99.99)
-WARM_UP: Final = 0.2  # part of the run after which memory is looked at
+WARM_UP: Final = 0.2  # part of the run after which memory is measured
 MEANINGFUL: Final = 1200.0  # s of a run in which a slope of memory says something
 LARGEST_SLOPE: Final = 2.0  # MB in an hour: a goal
 # The index of a recording stays in memory until its end: 4.3 MB in an hour of 45 topics, a chunk a second.

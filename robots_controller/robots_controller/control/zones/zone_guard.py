@@ -24,7 +24,7 @@ from robots_planning.trajectory import Trajectory
 
 CHECK_EVERY: Final = 5  # periods of a robot that moves
 FURTHER: Final = 5e-3  # m across a border that the robot may still move while it comes back
-# The way of a robot that brakes is looked at in steps of this length, but in no more than so many.
+# The path of a braking robot is checked in steps of this length, but in no more than so many.
 BRAKING_STEP: Final = 5e-3  # m
 MOST_STEPS: Final = 16
 SLOWER: Final = 0.95  # of the speed at which the way would just be free
@@ -206,8 +206,8 @@ class ZoneGuard:
 
         Args:
             before: The reference before, (3, n).
-            wanted: What the stream asks for, (3, n).
-            slower: What it asks for at this part of the velocity limits, 0..1.
+            wanted: What the stream requests, (3, n).
+            slower: What it requests at this part of the velocity limits, 0..1.
         """
         self.held_by = ''
         # A robot that is across a border already may come back.

@@ -129,7 +129,7 @@ class Motions(Family):
         if options.on_blocked is not None:
             if options.on_blocked == 'replan' and not settings.get('avoid'):
                 raise LuaCallError(
-                    f"{function}: on_blocked = 'replan' leads around what is in the way; "
+                    f"{function}: on_blocked = 'replan' leads around obstacles; "
                     'it needs avoid = true, here or by setAvoid'
                 )
             settings['on_blocked'] = options.on_blocked

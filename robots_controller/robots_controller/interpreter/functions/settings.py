@@ -138,7 +138,7 @@ class Settings(Family):
     def setAvoid(
         self, value: float, budget: float | None, on_blocked: str | None, most: float | None
     ) -> None:
-        """Lets joint motions go around what is in the way.
+        """Lets joint motions go around obstacles.
 
         A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same.
         An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that

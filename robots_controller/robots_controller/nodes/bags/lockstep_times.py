@@ -27,8 +27,8 @@ class LockstepTimes:
     """Takes each message for sent at the last instant whose `/clock` was sent before it.
 
     Messages of one instant follow each other by a nanosecond, in the order in which they were sent. Topics
-    are looked at one after the other: a message may be seen after others that were sent later. So all wait
-    until the next look at the topics.
+    are read one after the other: a message may be seen after others that were sent later. So all wait
+    until the topics are read again.
 
     Args:
         clock: Takes `/clock`, with the middleware's information on each message.

@@ -1,4 +1,4 @@
-"""ForeignWriters: stops the robot while another node writes to what moves it, and cannot be told apart."""
+"""ForeignWriters: stops the robot while another node writes to what moves it, and cannot be distinguished."""
 
 from __future__ import annotations
 

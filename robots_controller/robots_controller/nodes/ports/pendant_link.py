@@ -53,7 +53,7 @@ class PendantLink(ProgramLink):
         self._ghosts = make_publisher(node, JointState, 'ghost')
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self._reference: Array | None = None
-        self._taking = Lock()  # any thread asks for the reference
+        self._taking = Lock()  # any thread requests the reference
         self._feedback = PolledSubscription(node, JointState, 'joint_states')
 
     def jog_axes(self, velocity: Array) -> None:

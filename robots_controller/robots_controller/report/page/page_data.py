@@ -1,4 +1,4 @@
-"""PageArrays: the numbers of a page, small and exact enough to be looked at."""
+"""PageArrays: the numbers of a page, small, and exact enough for the eye."""
 
 import base64
 from typing import Any, Final

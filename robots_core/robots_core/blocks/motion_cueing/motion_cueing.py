@@ -21,7 +21,7 @@ from robots_core.orientation import orientation_from_angles
 from robots_core.pose import Pose
 from robots_core.validation import Array, positive, read_only
 
-# A cabin this far from what the washout asks for is held back by its envelope.
+# A cabin this far from what the washout requests is held back by its envelope.
 HELD_BACK = (1e-3, 1e-3)  # m, rad
 UP = np.array([0.0, 0.0, GRAVITY])
 
@@ -35,7 +35,7 @@ class CueingStep:
 
     Attributes:
         cabin: What the cabin does, (3, 6): always inside its envelope.
-        washout: What the filter asks for without the envelope, (2, 6).
+        washout: What the filter requests without the envelope, (2, 6).
         wanted: What the person would feel if the cabin gave all of it: the scaled motion of the vehicle.
         felt: What the person feels in the cabin: specific force and angular velocity in its frame.
         limits: What is limited, with value and bound; empty where the filter alone decides.
@@ -202,7 +202,7 @@ def _limited(values: Array, bounds: Sequence[float], name: str, unit: str, limit
 
 
 def _held_back(washout: Array, cabin: Array, reach: Array) -> list[str]:
-    """How the envelope holds the cabin back from what the washout asks for, by direction."""
+    """How the envelope holds the cabin back from what the washout requests, by direction."""
     found = []
     for index, (direction, unit) in enumerate(zip(DIRECTIONS, UNITS, strict=True)):
         asked, given, bound = washout[index], cabin[index], reach[index]

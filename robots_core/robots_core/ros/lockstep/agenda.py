@@ -6,7 +6,7 @@ from typing import Final
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import NEVER, START, Phase
 
-# A participant that asks for another turn in every turn would let no time pass.
+# A participant that requests another turn in every turn would let no time pass.
 MOST_TURNS: Final = 10_000
 
 
@@ -60,7 +60,7 @@ class Agenda:
             advance: Time may advance; otherwise only the present instant counts.
 
         Raises:
-            LockstepError: time does not advance, a participant asks for turn after turn.
+            LockstepError: time does not advance, a participant requests turn after turn.
         """
         turn = self._at_this_instant()
         if turn is not None:

@@ -208,7 +208,7 @@ class Participant:
         return loop
 
     def create_turn(self, work: Callable[[float], None], *, phase: Phase) -> LockstepTurn:
-        """Work that is done in a phase of instants that the node asks for."""
+        """Work that is done in a phase of instants that the node requests."""
         turn = LockstepTurn(work, phase=phase, asked=self._report_unless_inside)
         self._add_work(turn)
         return turn

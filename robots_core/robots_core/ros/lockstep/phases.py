@@ -27,7 +27,7 @@ class Phase(IntEnum):
     DRIVES = 4
     """The drives."""
     OBSERVE = 5
-    """Whatever looks at the robot: collision watch, kinematics, health; a PLC at the end of its cycle."""
+    """Whatever observes the robot: collision watch, kinematics, health; a PLC at the end of its cycle."""
     PLANNING = 6
     """Planners, when all commands of a program's turn have come."""
     PROGRAM = 7

@@ -8,7 +8,7 @@ from rclpy.guard_condition import GuardCondition
 class LatchedGuardCondition(GuardCondition):
     """Keeps that it was triggered until an executor takes it.
 
-    With Fast DDS, a wait that ends resets all guard conditions after it has looked at each of them: one that
+    With Fast DDS, a wait that ends resets all guard conditions after it has checked each of them: one that
     is triggered in between has never been triggered (ros2/rmw_fastrtps#895). As such a wait ends anyway,
     `LeanExecutor` takes what was triggered from here.
     """

@@ -120,7 +120,7 @@ class LeanExecutor(Executor):
             'client': [one for node in nodes for one in node.clients],
             'service': [one for node in nodes for one in node.services],
         }
-        # The middleware looks at events of a subscription with each message: waiting for them in another
+        # The middleware checks events of a subscription with each message: waiting for them in another
         # thread would end that wait with each.
         publishers: list[Any] = [one for node in nodes for one in node.publishers]
         received = [event for one in often['subscription'] for event in one.event_handlers]

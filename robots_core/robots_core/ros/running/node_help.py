@@ -124,7 +124,7 @@ def default_text(value: object) -> str:
 
 
 def help_requested(arguments: Sequence[str] | None = None) -> bool:
-    """Whether a command line asks for help, before the arguments of ROS."""
+    """Whether a command line requests help, before the arguments of ROS."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     own = given[: given.index('--ros-args')] if '--ros-args' in given else given
     return '--help' in own or '-h' in own
@@ -133,7 +133,7 @@ def help_requested(arguments: Sequence[str] | None = None) -> bool:
 def check_parameter_names(nodes: Sequence[Node], arguments: Sequence[str] | None = None) -> None:
     """Refuse parameters of the command line that no node of this process has.
 
-    Those of parameter files are not looked at: a file may be meant for many nodes.
+    Those of parameter files are not checked: a file may be meant for many nodes.
 
     Raises:
         InvalidInputError: there is one; names the nearest.

@@ -47,7 +47,7 @@ class OpcuaLink:
 
     Args:
         server: The server.
-        inputs: Places to read, and how often the server looks at them, s.
+        inputs: Places to read, and how often the server samples them, s.
         outputs: Places to write.
 
     Raises:

@@ -33,7 +33,7 @@ class OpcuaServer:
         security: Policy, one of `POLICIES`.
         mode: One of `MODES`, where there is a policy.
         credentials: User and certificates.
-        period: How often the server looks at its variables and reports changes, s.
+        period: How often the server samples its variables and reports changes, s.
         response_timeout: For connecting and for each answer, s.
     """
 

@@ -43,7 +43,7 @@ class PathSwitchingMessages:
         if node.participant is None:
             subscribe(node, Float64, 'motion_progress', self._on_progress)
         else:
-            # Progress comes in every period; it is looked at only while there is something to switch, after
+            # Progress comes in every period; it is checked only while there is something to switch, after
             # the controller and before any node that observes the outputs.
             self._turn = node.participant.create_turn(self._check, phase=Phase.DRIVES)
             self._progress = PolledSubscription(node, Float64, 'motion_progress')

@@ -8,7 +8,7 @@ from robots_core.ros.timed_node import TimedNode
 
 
 class ProgramClock(WallClock):
-    """See `Clock`. In simulated time a wait looks at the clock whenever that is set.
+    """See `Clock`. In simulated time a wait checks the clock whenever that is set.
 
     Args:
         node: Owner of the clock.

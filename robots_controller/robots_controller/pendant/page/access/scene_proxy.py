@@ -72,7 +72,7 @@ class SceneProxy:
         await send({'type': 'http.response.body', 'body': b'' if scope['method'] == 'HEAD' else body})
 
     async def _connect(self, scope: Message, receive: Receive, send: Send) -> None:
-        await receive()  # that it wants to connect
+        await receive()  # its request to connect
         gone = False
         try:
             async with connect(

@@ -141,7 +141,7 @@ def _check_posture(
         q: Joint positions, (n,).
         turn: How far the axes may move from there, (n,), rad (m).
         margins: Distance that each pair is to keep, (p,) m.
-        pairs: Those to look at.
+        pairs: Those to check.
         left: Gets the pairs that are not proven to be free within `turn`.
         worst: Gets the largest approach of the pairs that are left, (1,) m.
 
@@ -217,7 +217,7 @@ def certify(
         coefficients: Of the piece in powers of s, (m, n); s is in [0, 1].
         speed: Bounds on the axes' derivatives with respect to s, (n,).
         margins: (p,) m.
-        work: (1,), to which the number of postures that were looked at is added.
+        work: (1,), to which the number of postures that were checked is added.
 
     Returns:
         FREE, or the first pair that was found too close, or not proven to be free; and s there.

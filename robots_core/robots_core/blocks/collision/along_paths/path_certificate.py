@@ -68,7 +68,7 @@ class PathCertificate:
         )
         """Scratch memory for compiled code."""
         self.work = np.zeros(1, dtype=np.int64)
-        """Number of postures that were looked at."""
+        """Number of postures that were checked."""
 
     def line(self, start: Array, end: Array, margins: Array) -> int:
         """The pair that blocks the straight line between two postures, (n,) each, or FREE.

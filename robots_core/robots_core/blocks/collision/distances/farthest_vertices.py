@@ -16,7 +16,7 @@ Indices = NDArray[np.int64]
 
 EDGE: Final = 4  # cells along an edge of the cube
 CELLS: Final = 6 * EDGE * EDGE
-MANY: Final = 24  # vertices; fewer are all looked at as fast
+MANY: Final = 24  # vertices; all of fewer are compared as fast
 ROUNDING: Final = 1e-9  # of the largest coordinate, by which a vertex must be farther
 
 
