@@ -29,7 +29,10 @@ EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} 
 
 @pytest.mark.parametrize(('name', 'drive'), CASES)
 def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
-    check_both_cells(lockstep_runs.run(name, drive), drive, tmp_path / 'bag')
+    run = lockstep_runs.run(name, drive)
+    check_both_cells(run, drive, tmp_path / 'bag')
+    # Its motion through the pillar is refused.
+    assert run.returncode == (1 if name == 'welding_collision.lua' else 0), run.text
 
 
 @pytest.mark.longest
