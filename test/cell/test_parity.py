@@ -31,7 +31,7 @@ EXAMPLES = sorted({file.stem for file in (PROGRAMS / 'language').glob('*.lua')} 
 def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
     run = lockstep_runs.run(name, drive)
     check_both_cells(run, drive, tmp_path / 'bag')
-    # Its motion through the pillar is refused.
+    # welding_collision.lua commands a motion through the pillar, which is refused.
     assert run.returncode == (1 if name == 'welding_collision.lua' else 0), run.text
 
 

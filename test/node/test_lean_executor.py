@@ -7,12 +7,14 @@ from typing import Any
 
 import pytest
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.guard_condition import GuardCondition
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Int64
 from std_srvs.srv import Trigger
 
+from robots_core.ros.running.held_wait_set import HeldWaitSet
 from robots_core.ros.timed_node import TimedNode
 
 from .bench import Bench
@@ -194,7 +196,26 @@ def test_events_of_a_subscription_are_called_beside_messages_and_without(
         bench.wait(lambda: received, 'messages')
     callbacks = SubscriptionEventCallbacks(incompatible_qos=events.append, use_default_callbacks=False)
     bench.peer.create_subscription(Int64, 'acknowledged', lambda _: None, 1, event_callbacks=callbacks)
-    ros_nodes.call(lambda: None)  # a round that waits for the subscription's events
+    ros_nodes.call(lambda: None)
+    ros_nodes.call(lambda: None)  # a round has waited for the subscription's events
+    other = Node('other', context=ros_nodes.context)  # whose publishers do not rebuild the wait set
     for number in (1, 2):
-        bench.peer.create_publisher(Int64, 'acknowledged', UNACKNOWLEDGED)
+        other.create_publisher(Int64, 'acknowledged', UNACKNOWLEDGED)
         bench.wait(lambda number=number: sum(one.total_count_change for one in events) == number, 'an event')
+    other.destroy_node()
+
+
+def test_a_wait_without_end_ends_for_events_that_it_has_not_waited_for(ros_context: Any) -> None:
+    node = Node('held', context=ros_context)
+    callbacks = SubscriptionEventCallbacks(incompatible_qos=print, use_default_callbacks=False)
+    subscription = node.create_subscription(Int64, 'held', print, 1, event_callbacks=callbacks)
+    guard = GuardCondition(None, None, ros_context)
+    wait_set = HeldWaitSet(ros_context, {'guard_condition': [guard]}, events=subscription.event_handlers)
+    guard.trigger()
+    wait_set.wait(-1)  # for events too; the next one is sooner than they are due
+    node.create_publisher(Int64, 'held', UNACKNOWLEDGED)
+    while not (taken := wait_set.take_waitables()):
+        wait_set.wait(-1)
+    wait_set.close()
+    node.destroy_node()
+    assert [event.total_count for _, event in taken] == [1]
