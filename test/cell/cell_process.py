@@ -53,15 +53,14 @@ class CellOutput:
         """What the nodes have written."""
         return ''.join(file.read_text() for file in self.out.glob('*/log/*.log'))
 
-    def until(self, text: str) -> str:
-        """Read on until a line holds `text`; returns that line."""
-        deadline = time.monotonic() + DEADLINE
-        while True:
+    def until(self, *texts: str) -> None:
+        """Read on until each text has been in a line, in any order."""
+        deadline, missing = time.monotonic() + DEADLINE, set(texts)
+        while missing:
             line = self._queue.get(timeout=max(0.0, deadline - time.monotonic()))
-            assert line is not None, f'cell ended before {text!r}:\n{self.text}'
+            assert line is not None, f'cell ended before {missing}:\n{self.text}'
             self.lines.append(line)
-            if text in line:
-                return line
+            missing = {text for text in missing if text not in line}
 
     def until_ready(self) -> None:
         """Read on until all nodes are ready, and the recorder: a node that dies before ends the cell."""

@@ -270,15 +270,13 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     (tmp_path / 'far.lua').write_text(f'setSpeed(0.001)\n{PROGRAM % "0, -60, 60, 0, 45, 0"}')
     options = ('--robot', 'kuka_kr210_r2700', '--program', str(tmp_path / 'far.lua'))
     cell = start_cell(*options, '--io-map', str(tmp_path / 'map.yaml'))
-    cell.until('plc/none has been silent')
-    cell.until('PTPJOINT_JOINT to')
+    cell.until('plc/none has been silent', 'PTPJOINT_JOINT to')
     wait(lambda: words and images and words[-1] == 0b11 and images[-1] == [1, 1], what='outputs')
     before = len(images)
     os.kill(cell.node_pids()['lua_program_node'], signal.SIGKILL)
     cell.until('lua_program_node is started again in 0.5 s')
     wait(lambda: words[-1] == 0b10 and images[-1] == [0, 1], what='fail-safe outputs')
-    cell.until('far.lua was interrupted at line 3: lua_program_node killed by SIGKILL')
-    cell.until('ready')
+    cell.until('far.lua was interrupted at line 3: lua_program_node killed by SIGKILL', 'ready')
     state = wait(lambda: status[-1] if status[-1]['state'] == 'OPENED' else None, what='the new process')
     assert state['error'] == 'far.lua was interrupted at line 3: lua_program_node killed by SIGKILL'
     # Old process, cell and new process: what is held is held all the time.

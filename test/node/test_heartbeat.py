@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from robots_core.periodic.watchdog import CHECKS
 from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
 from robots_core.ros.running.executor_watch import ExecutorWatch
 from robots_core.ros.running.lean_executor import LeanExecutor
@@ -26,32 +25,37 @@ def test_a_node_that_was_started_anew_was_lost_although_nobody_has_missed_it(ros
     )
     node = ros_nodes.add(TimedNode('drive', context=ros_nodes.context))
     first = Heartbeat(node)
-    # As many checks as CHECKS within the timeout are too few for a test.
-    timer = watcher.create_timer(0.01, watch._check)
     ros_nodes.wait_for(lambda: watch._processes, what='the first sign of life')
     assert (changes, seen) == ([], ['drive'])
     first.stop()
     second = Heartbeat(node)
     ros_nodes.wait_for(lambda: len(changes) == 2, what='both changes')
     second.stop()
-    timer.cancel()
     assert changes == [('drive', 'drive has died and was started anew'), ('drive', '')]
     assert seen == ['drive']
     assert watch.lost == ()
 
 
-def test_the_next_check_comes_when_the_silence_is_as_long_as_the_timeout(ros_nodes: Any) -> None:
+@pytest.mark.parametrize(
+    ('timeout', 'remaining', 'seconds'),
+    [
+        # Nothing is silent, or for longer than a regular check; soon; at once.
+        (0.5, math.inf, 0.1),
+        (0.5, 0.25, 0.1),
+        (0.5, 0.05, 0.05),
+        (0.5, 0.0, 0.0125),
+        # A process that is started anew has not been seen before less than half a second.
+        (LONG, math.inf, 0.2),
+        (LONG, 0.0, 0.2),
+    ],
+)
+def test_the_next_check_comes_when_the_silence_is_as_long_as_the_timeout(
+    ros_nodes: Any, timeout: float, remaining: float, seconds: float
+) -> None:
     watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
-    watch = HeartbeatWatch(watcher, ['drive'], LONG, lambda *_: None)
-    # Nothing is silent, or for longer than a regular check; soon; at once.
-    for remaining, seconds in (
-        (math.inf, LONG / CHECKS),
-        (0.5 * LONG, LONG / CHECKS),
-        (5.0, 5.0),
-        (0.0, 1.5),
-    ):
-        watch._check_again(remaining)
-        assert 1e-9 * watch._timer.timer_period_ns == pytest.approx(seconds, abs=1e-8)  # whole nanoseconds
+    watch = HeartbeatWatch(watcher, ['drive'], timeout, lambda *_: None)
+    watch._check_again(remaining)
+    assert 1e-9 * watch._timer.timer_period_ns == pytest.approx(seconds, abs=1e-8)  # whole nanoseconds
 
 
 def test_a_node_whose_callback_does_not_return_is_lost_until_it_does(ros_nodes: Any) -> None:

@@ -21,6 +21,8 @@ HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
 MOST_CHECKS: Final = 8 * CHECKS
 """Looks within the timeout at a node that is about to be lost."""
+LONGEST_BETWEEN_CHECKS: Final = 0.2
+"""s. A process that dies is not replaced sooner: the signs of life of both are seen."""
 
 
 class Heartbeat:
@@ -97,7 +99,7 @@ class HeartbeatWatch:
         for name in names:
             beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
-        self._period = timeout / CHECKS
+        self._period = min(timeout / CHECKS, LONGEST_BETWEEN_CHECKS)
         self._timer = node.create_timer(self._period, self._check)
 
     @property
