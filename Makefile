@@ -47,7 +47,8 @@ RUN = export ROS_DISTRO_SETUP=$(ROS_DISTRO_SETUP); source environment.bash; expo
 ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance:$$PWD/test/support"
 
 # By uv, which takes a quarter of the time; by pip where only pip is set up for the package index.
-INSTALL = export -n PYTHONPATH; .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
+INSTALL = export -n PYTHONPATH; \
+  [ -x .venv/bin/uv ] || .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
   .venv/bin/uv pip install $$([ -t 2 ] || echo --quiet) --python .venv/bin/python $(1) \
   || .venv/bin/python -m pip install --quiet --disable-pip-version-check $(1)
 
@@ -64,25 +65,15 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(OPEN_VENV)
 	@touch $@
 
-.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco \
-		.venv/.installed_plant .venv/.installed_pendant
+# Whatever is needed besides, for some commands or for all tests at once.
+EXTRAS := study mujoco plant pendant
+
+.venv/.installed_tests: requirements-test.txt $(EXTRAS:%=requirements-%.txt) $(VENV_STAMP)
 	@echo "Installing what tests need (once) ..."
-	@$(call INSTALL,-r $<)
-	@touch $@
+	@$(call INSTALL,$(addprefix -r ,$(filter requirements-%,$^)))
+	@touch $@ $(EXTRAS:%=.venv/.installed_%)
 
-.venv/.installed_study: requirements-study.txt $(VENV_STAMP)
-	@$(call INSTALL,-r $<)
-	@touch $@
-
-.venv/.installed_mujoco: requirements-mujoco.txt $(VENV_STAMP)
-	@$(call INSTALL,-r $<)
-	@touch $@
-
-.venv/.installed_plant: requirements-plant.txt $(VENV_STAMP)
-	@$(call INSTALL,-r $<)
-	@touch $@
-
-.venv/.installed_pendant: requirements-pendant.txt $(VENV_STAMP)
+$(EXTRAS:%=.venv/.installed_%): .venv/.installed_%: requirements-%.txt $(VENV_STAMP)
 	@$(call INSTALL,-r $<)
 	@touch $@
 
