@@ -19,6 +19,7 @@ WIDTH = 120
 FULL = 'second_order'
 SEPARATE = ('welding.lua', 'welding_collision.lua', 'laser_seam.lua', 'bello_bot_tour.lua')
 SPARSE_RATE, DENSE_RATE = 50.0, 100.0  # Hz, of the references
+COMPARED_RATE = 25.0  # of runs that are only compared with simulations
 # By default 250 Hz, in the demo. The laser's motions take 0.05 s each; a gripper misses its ring at 50 Hz.
 RATES = {('welding.lua', FULL): 250.0}
 RATES |= {
@@ -61,10 +62,11 @@ class LockstepRuns:
         """The run of a program, by its file in programs/, with drives of a level.
 
         With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each; all others share
-        a process, without a view. References have the rate of `RATES`, or `SPARSE_RATE`.
+        a process, without a view. References have the rate of `RATES`, or `SPARSE_RATE`, with other drives
+        `COMPARED_RATE`.
         """
         separate = drive == FULL and program in SEPARATE
-        rate = RATES.get((program, drive), SPARSE_RATE)
+        rate = RATES.get((program, drive), SPARSE_RATE if drive == FULL else COMPARED_RATE)
         options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
         if not separate:
             options += ['--composed', '--headless']

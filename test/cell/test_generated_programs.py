@@ -7,7 +7,7 @@ import pytest
 from .both_cells import check_both_cells
 from .generated.program_generator import STARTS, generate
 from .generated.run_laws import broken_laws, simulated
-from .lockstep_runs import SPARSE_RATE, LockstepRuns
+from .lockstep_runs import COMPARED_RATE, LockstepRuns
 
 # About a second each on one core; together they use every robot, and end in both ways.
 SEEDS = range(24)
@@ -25,7 +25,7 @@ def test_a_generated_program_keeps_its_places_limits_and_verdict(seed: int, tmp_
 @pytest.mark.parametrize(('seed', 'drive'), IN_LOCKSTEP.items())
 def test_both_cells_do_the_same(seed: int, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
     program = generate(seed).write(tmp_path)
-    lockstep = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
+    lockstep = lockstep_runs.run_file(program, '--drive', drive, rate=COMPARED_RATE)
     check_both_cells(lockstep, drive, tmp_path / 'bag')
 
 

@@ -18,7 +18,7 @@ from written_bags import write_bag
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells
-from .lockstep_runs import SPARSE_RATE, LockstepRuns
+from .lockstep_runs import COMPARED_RATE, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 NAMES += ['language/three_axes.lua', 'motion_simulator/on_linear_axis.lua']
@@ -52,7 +52,7 @@ def test_both_cells_do_the_same_in_all_examples(
         '  print(name, pcall(call, name)) -- drives of some levels measure no torques\n'
         'end\n'
     )
-    run = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
+    run = lockstep_runs.run_file(program, '--drive', drive, rate=COMPARED_RATE)
     assert run.returncode == 0
     check_both_cells(run, drive, tmp_path / 'bag')
 
@@ -65,7 +65,7 @@ def test_both_cells_do_the_same_with_a_person_who_drives(
     texts = {'LONGEST = 3600': 'LONGEST = 1', 'Cabin: cabin.yaml': 'Cabin: cabin.yaml  References: driver'}
     program = short_copy(tmp_path / 'programs', name, {name: texts})
     write_bag(program.parent / 'driver', [joy(0.05 * k, 0.15, 1.0) for k in range(20)])
-    run = lockstep_runs.run_file(program, '--drive', drive, rate=SPARSE_RATE)
+    run = lockstep_runs.run_file(program, '--drive', drive, rate=COMPARED_RATE)
     check_both_cells(run, drive, tmp_path / 'bag')
     assert run.returncode == 0, run.text
 

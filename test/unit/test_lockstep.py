@@ -162,6 +162,13 @@ def test_a_schedule_starts_again_after_a_jump():
     assert schedule.due(50) == [50]
 
 
+def test_a_schedule_on_a_clock_that_is_set_in_steps_returns_all_multiples():
+    schedule = PeriodicSchedule(10, most_late=math.inf)
+    assert schedule.due(10) == [10]
+    assert schedule.due(200) == list(range(20, 201, 10))
+    assert schedule.missed == 0
+
+
 def test_a_loop_has_its_first_turn_at_the_start_and_ends_in_its_own_work():
     times: list[float] = []
 

@@ -12,14 +12,16 @@ class PeriodicSchedule:
     Args:
         period: ns, above 0.
         origin: Time of which the others are whole periods away, ns.
+        most_late: It starts anew when more periods than these were missed; infinite for a clock that is set
+            in steps, as that of a simulation.
     """
 
-    def __init__(self, period: int, *, origin: int = 0) -> None:
+    def __init__(self, period: int, *, origin: int = 0, most_late: float = MAX_LATE_PERIODS) -> None:
         self.missed = 0
         """Times given up because the clock jumped over them."""
         self.next_time: int | None = None
         """When the next one is due, ns; None before the clock was read."""
-        self._period, self._origin = period, origin
+        self._period, self._origin, self._most_late = period, origin, most_late
 
     def begin(self, now: int) -> None:
         """Start a new schedule, whose first time is `now` (ns) or the next multiple after it."""
@@ -32,7 +34,7 @@ class PeriodicSchedule:
     def due(self, now: int) -> list[int]:
         """The times that are due, ns, in order; each is returned once.
 
-        A clock that was set back, or that jumped over more than `MAX_LATE_PERIODS`, starts a new schedule.
+        A clock that was set back, or that jumped over more than `most_late` periods, starts a new schedule.
 
         Args:
             now: ns.
@@ -42,7 +44,7 @@ class PeriodicSchedule:
             self.begin(now)
         assert self.next_time is not None
         late = (now - self.next_time) // period
-        if late > MAX_LATE_PERIODS:
+        if late > self._most_late:
             self.missed += late
             self.next_time += late * period
         times = list(range(self.next_time, now + 1, period))
