@@ -148,7 +148,7 @@ def bodies_of(n: int) -> Bodies:
     return np.empty((n, 5, 3)), np.empty((n, 3, 3))
 
 
-@compiled()
+@compiled(counted=False)
 def fill_dynamics(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, bodies: Bodies, M: Array, bias: Array, weight: Array
 ) -> None:
@@ -158,7 +158,7 @@ def fill_dynamics(
     _collect(dynamics, bodies, M, bias, weight)
 
 
-@compiled()
+@compiled(counted=False)
 def fill_torques(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies, tau: Array
 ) -> None:
@@ -174,7 +174,7 @@ def fill_torques(
         tau[j] = dot(axis, force if chain[j, 12] != 0.0 else subtract(moment, cross(place, force)))
 
 
-@compiled()
+@compiled(counted=False)
 def _move_bodies(
     dynamics: DynamicsArrays, base: Vector, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies
 ) -> None:
@@ -210,7 +210,7 @@ def _move_bodies(
                 tensors[i, k, column] = tensor[k][column]
 
 
-@compiled()
+@compiled(counted=False)
 def _collect(dynamics: DynamicsArrays, bodies: Bodies, M: Array, bias: Array, weight: Array) -> None:
     """From the tip to the base: sums of forces, and composite bodies."""
     chain, masses, _, _, gravity = dynamics

@@ -161,7 +161,7 @@ def advance(
     return bool(np.isfinite(total))
 
 
-@compiled()
+@compiled(counted=False)
 def _bodies(dynamics: DynamicsArrays, outside: Array, floating: Array, step: Step) -> None:
     """Fill the mass matrix and the torques at constant speed, less those from outside."""
     n = outside.size
@@ -176,7 +176,7 @@ def _bodies(dynamics: DynamicsArrays, outside: Array, floating: Array, step: Ste
         step.bias[j] -= outside[j]
 
 
-@compiled()
+@compiled(counted=False)
 def _reference(start: Array, end: Array, period: float, part: float, step: Step) -> None:
     """Cubic from start to end (2, n) at a part 0..1 of the period."""
     s, r = part, 1.0 - part
@@ -190,7 +190,7 @@ def _reference(start: Array, end: Array, period: float, part: float, step: Step)
         ) / period
 
 
-@compiled()
+@compiled(counted=False)
 def _ahead(drive: Array, state: Array, feed: Array, step: Step) -> None:
     """Fill the torques of the feed-forward, with friction in the direction of the position control.
 
@@ -205,7 +205,7 @@ def _ahead(drive: Array, state: Array, feed: Array, step: Step) -> None:
         step.ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
 
 
-@compiled()
+@compiled(counted=False)
 def _motor_torques(drive: Array, state: Array, h: float, step: Step) -> None:
     """Fill the current.
 
@@ -233,7 +233,7 @@ def _motor_torques(drive: Array, state: Array, h: float, step: Step) -> None:
         step.current[0, j], step.current[1, j] = a, slope
 
 
-@compiled()
+@compiled(counted=False)
 def _assemble(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Fill A and b."""
     A, b, M, current = step.A, step.b, step.M, step.current
@@ -266,7 +266,7 @@ def _assemble(drive: Array, motors: NDArray[np.int64], state: Array, h: float, s
         b[m] -= push
 
 
-@compiled()
+@compiled(counted=False)
 def _solve_with_friction(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Fill w: velocities at the end of the step with friction on the motors.
 
@@ -304,7 +304,7 @@ def _solve_with_friction(drive: Array, motors: NDArray[np.int64], state: Array, 
             return
 
 
-@compiled()
+@compiled(counted=False)
 def _saturate(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> bool:
     """Set saturated to the sign of commanded torques past their limit; True if there is a new one."""
     found = False
@@ -318,20 +318,20 @@ def _saturate(drive: Array, motors: NDArray[np.int64], state: Array, h: float, s
     return found
 
 
-@compiled()
+@compiled(counted=False)
 def _speed_error(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
     position = state[MOTOR, j] + 0.5 * h * mean
     return float(step.v_ref[j] + drive[POSITION_GAIN, j] * (step.q_ref[j] - position) - mean)
 
 
-@compiled()
+@compiled(counted=False)
 def _wanted(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
     error = _speed_error(drive, state, step, h, mean, j)
     growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
     return float(drive[VELOCITY_GAIN, j] * (growth * error + state[INTEGRAL, j]))
 
 
-@compiled()
+@compiled(counted=False)
 def _move(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Write the end of the step into the state."""
     current, saturated, w = step.current, step.saturated, step.w
