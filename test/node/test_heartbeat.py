@@ -44,7 +44,7 @@ def test_a_node_that_was_started_anew_was_lost_although_nobody_has_missed_it(ros
         (0.5, 0.25, 0.1),
         (0.5, 0.05, 0.05),
         (0.5, 0.0, 0.0125),
-        # A process that is started anew has not been seen before less than half a second.
+        # However long the timeout: less than a process takes to be started again.
         (LONG, math.inf, 0.2),
         (LONG, 0.0, 0.2),
     ],
