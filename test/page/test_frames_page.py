@@ -91,7 +91,14 @@ def test_a_bad_touch_is_named_touched_again_and_the_tool_saved(
     shown.get_by_role('button', name='Touch here').first.click()
     shown.get_by_text('X 20.00 Y -10.00 Z 240.00 mm').wait_for()
     shown.get_by_role('button', name='Save').click()
-    shown.get_by_text('gripper is saved in frames.yaml.').wait_for()
+    # What is saved has left the list when that is confirmed: no button moves afterwards.
+    left = '.tool-guide .touched-point.touched'
+    confirmed = shared_page.wait_for_function(
+        """([text, left]) => document.querySelector('.tool-guide').innerText.includes(text)
+        && {left: document.querySelectorAll(left).length}""",
+        arg=['gripper is saved in frames.yaml.', left],
+    )
+    assert confirmed.json_value() == {'left': 0}
     np.testing.assert_allclose(read_frames(folder / 'frames.yaml').tools['gripper'].pose.r, TOOL, atol=1e-6)
     shown.get_by_role('button', name='Undo').click()
     shown.get_by_text('The last change is undone.').wait_for()

@@ -38,7 +38,7 @@ class SimulatedCockpit:
         )
         self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
         self._replay = None if recording is None else GuideReplay(recording)
-        self._times = PeriodicSchedule(PERIOD, most_late=math.inf)
+        self._times = PeriodicSchedule(PERIOD)
         self._handed_over = False
 
     @property

@@ -48,7 +48,7 @@ class SimulatedContact:
         self._contact = setup.contact()
         self._control, self._log = control, log
         self._guide = ForceGuide(setup, robot, self._report)
-        self._times = PeriodicSchedule(round(PERIOD * NANOSECONDS), most_late=math.inf)
+        self._times = PeriodicSchedule(round(PERIOD * NANOSECONDS))
         self._handed_over = False
         self._measured: tuple[Array, Array] | None = None
         self.joint_torques = np.zeros(robot.num_axes)

@@ -86,8 +86,8 @@ class SimulatedGuide:
         self._control, self._planner = control, planner
         self._on_message, self._on_point = on_message, on_point
         self._source = source
-        self._sensor_times = PeriodicSchedule(SENSOR_PERIOD, most_late=math.inf)
-        self._jog_times = PeriodicSchedule(JOG_PERIOD, most_late=math.inf)
+        self._sensor_times = PeriodicSchedule(SENSOR_PERIOD)
+        self._jog_times = PeriodicSchedule(JOG_PERIOD)
         self._received = False  # since the last step of the sensor's stream
         if source is not None:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)

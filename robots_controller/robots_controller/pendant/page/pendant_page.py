@@ -67,7 +67,7 @@ class PendantPage:
         self._operator = operator
         self._number = 0  # of the newest press
         address = request.client.host if request.client else ''
-        self._viewer = viewer = Viewer(client.id, operator, read_texts(language), address)
+        self._viewer = viewer = Viewer(client.id, operator, read_texts(language), self.refresh, address)
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
         ui.colors(primary='#00796b')

@@ -45,22 +45,28 @@ class Viewer:
         id: Its own.
         operator: Takes what is pressed.
         texts: In its language.
+        refresh: Shows the newest state on it.
         address: Of its browser.
     """
 
     id: str
     operator: PendantOperator
     texts: Texts
+    refresh: Callable[[], None]
     address: str = ''
 
     async def do(self, line: RefusalLine, work: Callable[[], None]) -> bool:
-        """Do what waits for an answer of the cell, and show why it was refused; True if it was not."""
+        """Do what waits for an answer of the cell, and show why it was refused; True if it was not.
+
+        What has changed is shown before the caller confirms it: no button moves after the confirmation.
+        """
         try:
             await run.io_bound(work)
         except RobotsError as error:
             line.show(self.texts.error(error))
             return False
         line.show('')
+        self.refresh()
         return True
 
     def reason(self, action: Action) -> str:
