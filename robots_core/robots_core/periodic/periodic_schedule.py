@@ -1,5 +1,6 @@
 """PeriodicSchedule: which multiples of a period are due, on a clock that is handed in."""
 
+import math
 from typing import Final
 
 # Past this many missed periods a loop starts a new schedule instead of catching up in a burst.
@@ -12,11 +13,11 @@ class PeriodicSchedule:
     Args:
         period: ns, above 0.
         origin: Time of which the others are whole periods away, ns.
-        most_late: It starts anew when more periods than these were missed; infinite for a clock that is set
-            in steps, as that of a simulation.
+        most_late: It starts anew when more periods than these were missed. Infinite (the default) for a clock
+            that advances in steps, as that of a simulation.
     """
 
-    def __init__(self, period: int, *, origin: int = 0, most_late: float = MAX_LATE_PERIODS) -> None:
+    def __init__(self, period: int, *, origin: int = 0, most_late: float = math.inf) -> None:
         self.missed = 0
         """Times given up because the clock jumped over them."""
         self.next_time: int | None = None

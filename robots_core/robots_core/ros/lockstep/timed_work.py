@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from robots_core.periodic.periodic_schedule import PeriodicSchedule
+from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS, PeriodicSchedule
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 
 
@@ -20,7 +20,7 @@ class ScheduledLoop:
 
     def __init__(self, work: Callable[[float], None], *, period: int, origin: int = 0) -> None:
         self._work = work
-        self._schedule = PeriodicSchedule(period, origin=origin)
+        self._schedule = PeriodicSchedule(period, origin=origin, most_late=MAX_LATE_PERIODS)
         self.alive = True
         """It continues."""
 
