@@ -22,8 +22,9 @@ def _load() -> None:
     robot = load_robot_model(available_robot_models()[0])
     PathPlanning(robot, collision=CollisionDetection(robot)).warm_up()
     TeachBox(robot, 1.0 / JOG_RATE, robot.home)
+    import_module('robots_core.robot_model.analytic.analytic_kernel')  # closed forms, if this robot has none
     # A node's logger looks for its caller, the first time through all modules.
-    inspect.stack()
+    inspect.getmodule(_load.__code__)
     # The collector would otherwise write to, and thereby copy, what the forked processes share.
     gc.collect()
     gc.freeze()

@@ -1,7 +1,6 @@
 """ConstrainedInverseKinematics: follow a reference pose inside all limits (the paper's block)."""
 
 from collections.abc import Callable
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +15,7 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     redundancy_arrays,
 )
 from robots_core.errors import InvalidInputError
-from robots_core.files.content_cache import content_of
+from robots_core.files.content_cache import content_of, kept
 from robots_core.kernels.chain_dynamics import NO_DYNAMICS, ChainDynamics
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
@@ -30,8 +29,6 @@ TORQUE_RESERVE = 0.05
 # Smallest fraction of the acceleration limits for braking. An arm whose motors hardly hold it at full speed
 # could not move near its limits with less; the missing torque shows as torque slack.
 SMALLEST_BRAKING = 0.3
-MAX_KEPT = 32
-_KEPT_BRAKING: Final[dict[str, Array]] = {}  # by the content that they follow from
 NO_TWIST = np.zeros(6)
 
 
@@ -181,20 +178,20 @@ def braking_deceleration(robot: BaseRobotModel) -> Array:
     """Decelerations that all axes can have at once inside their torque limits, (n,), rad/s^2.
 
     The acceleration limits, all scaled by the fraction that the torques allow in the worst of many random
-    states at up to full speed; each axis may brake or have stopped already. Those of the last robots are
-    kept: blocks that share a process brake the same robot.
+    states at up to full speed; each axis may brake or have stopped already. They are kept by content.
     """
     dynamics = ChainDynamics.of(robot)
     if dynamics is None:
         return _sampled_braking(robot, lambda q, q_dot: robot.rigid_dynamics(q, q_dot, np.zeros_like(q))[1:])
     axes = robot.axes_data
     limits = (*axes.one_turn, axes.velocity, axes.acceleration, axes.effort)
-    content = content_of((*dynamics.arrays, *limits))
-    if content not in _KEPT_BRAKING:
-        if len(_KEPT_BRAKING) == MAX_KEPT:
-            _KEPT_BRAKING.clear()
-        _KEPT_BRAKING[content] = read_only(_sampled_braking(robot, dynamics.mass_matrix_and_bias))
-    return _KEPT_BRAKING[content]
+    sampling = (TORQUE_SAMPLES, TORQUE_RESERVE, SMALLEST_BRAKING)
+    arrays = kept(
+        'braking',
+        content_of((*sampling, *dynamics.arrays, *limits)),
+        lambda: {'deceleration': _sampled_braking(robot, dynamics.mass_matrix_and_bias)},
+    )
+    return read_only(arrays['deceleration'])
 
 
 def _sampled_braking(

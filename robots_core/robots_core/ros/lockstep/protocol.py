@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Final, Literal
 
 PARTICIPANTS: Final = '/lockstep/participants'
@@ -73,7 +73,7 @@ class Announcement:
 
     def to_json(self) -> str:
         """As text."""
-        return json.dumps(asdict(self))
+        return json.dumps(vars(self), default=vars)
 
     @classmethod
     def from_json(cls, text: str) -> Announcement:
@@ -98,7 +98,7 @@ class Roster:
 
     def to_json(self) -> str:
         """As text."""
-        return json.dumps(asdict(self))
+        return json.dumps(vars(self), default=vars)
 
     @classmethod
     def from_json(cls, text: str) -> Roster:

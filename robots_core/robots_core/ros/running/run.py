@@ -72,7 +72,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             nodes.extend(make_node() for make_node in make_nodes)
             check_parameter_names(nodes, args)
             # A logger looks for its caller, the first time through all modules: not while a robot moves.
-            inspect.stack()
+            inspect.getmodule(run_nodes.__code__)
             executor = LeanExecutor()
             for node in nodes:
                 executor.add_node(node)
