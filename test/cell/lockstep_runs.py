@@ -82,7 +82,7 @@ class LockstepRuns:
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]), rate)
 
-    def run_file(self, program: Path, *options: str, rate: float = DENSE_RATE) -> LockstepRun:
+    def run_file(self, program: Path, *options: str, rate: float = SPARSE_RATE) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""
         options = ('--lockstep', '--composed', '--headless', '--rate', str(rate), *options)
         path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)

@@ -55,18 +55,22 @@ GUIDED = {
 }
 
 
-@pytest.mark.parametrize('guide', GUIDED)
+# Hz, of the references: of periods that are, and are not, multiples of those of guidance, 4 and 8 ms.
+RATES = (50.0, 25.0, 100.0, 40.0)
+
+
+@pytest.mark.parametrize(('guide', 'rate'), zip(GUIDED, RATES, strict=True))
 def test_references_are_those_of_the_simulation(
-    lockstep_runs: LockstepRuns, tmp_path: Path, guide: str
+    lockstep_runs: LockstepRuns, tmp_path: Path, guide: str, rate: float
 ) -> None:
     messages, call = GUIDED[guide]
     sensor = write_bag(tmp_path / 'sensor', messages)
     program = tmp_path / 'guided.lua'
     program.write_text(f'{HEADER}{MOVE}{call}\n{MOVE}')
-    cell = lockstep_runs.run_file(program, '--references', str(sensor))
+    cell = lockstep_runs.run_file(program, '--references', str(sensor), rate=rate)
     assert cell.returncode == 0, cell.text
     bag = tmp_path / 'simulated'
-    run = simulate(program, robot=ROBOT.name, references=sensor, rate=cell.rate, bag=bag)
+    run = simulate(program, robot=ROBOT.name, references=sensor, rate=rate, bag=bag)
     assert run.ok, run.error
     there, here = read_bag(cell.bag), read_bag(bag)
     for topic in ('/motion_result', '/command_state', '/guide'):

@@ -9,8 +9,8 @@ import pytest
 from robots_core.errors import InvalidInputError
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS, PeriodicSchedule
 from robots_core.ros.lockstep.agenda import MOST_TURNS, Agenda, LockstepError, Turn
-from robots_core.ros.lockstep.phases import NEVER, START, Phase
-from robots_core.ros.lockstep.protocol import Announcement, Endpoint, Roster, decode, encode
+from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
+from robots_core.ros.lockstep.protocol import OVER, Announcement, Endpoint, Roster, decode, encode
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, instant
 from robots_core.ros.lockstep.traffic import CLOSED, Traffic
 
@@ -43,13 +43,33 @@ def test_a_program_that_was_woken_at_the_same_instant_has_another_turn():
     assert agenda.next_turn() == Turn(START + 1, Phase.PROGRAM, ('program',))
 
 
-def test_what_becomes_due_in_a_phase_that_is_over_waits_for_the_next_instant():
+@pytest.mark.parametrize('later', [START, START + 1])
+def test_what_becomes_due_in_a_phase_that_is_over_is_done_at_its_own_time_or_waits_for_the_next_instant(
+    later: int,
+):
     agenda = Agenda()
     agenda.set_due('program', due(program=START))
     agenda.next_turn()
     agenda.set_due('program', due(program=START + PERIOD))
     agenda.set_due('controller', due(control=START))
-    assert agenda.next_turn() == Turn(START + PERIOD, Phase.CONTROL, ('controller',))
+    assert agenda.next_turn(advance=False) is None
+    assert agenda.next_turn() == Turn(START, OVER, ('controller',))
+    agenda.set_due('controller', due(control=later))
+    time = START + PERIOD if later == START else later
+    assert agenda.next_turn() == Turn(time, Phase.CONTROL, ('controller',))
+
+
+def test_a_loop_that_is_needed_in_a_phase_that_is_over_has_its_turn_at_the_next_multiple():
+    times: list[float] = []
+    loop = LockstepLoop(
+        times.append, period=PERIOD, phase=Phase.GUIDANCE, first=START, next_time=lambda: START / NANOSECONDS
+    )
+    assert loop.due == START
+    loop.pass_over(START)
+    assert loop.due == START + PERIOD
+    loop.run(loop.due)
+    assert times == [(START + PERIOD) / NANOSECONDS]
+    assert loop.due == START + 2 * PERIOD
 
 
 def test_time_stands_still_while_it_may_not_advance():

@@ -5,6 +5,7 @@ from typing import Final
 
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import NEVER, START, Phase
+from robots_core.ros.lockstep.protocol import OVER
 
 # A participant that requests another turn in every turn would let no time pass.
 MOST_TURNS: Final = 10_000
@@ -26,12 +27,12 @@ class Turn:
 
     Attributes:
         time: ns.
-        phase: Of the instant.
+        phase: Of the instant, or `OVER`.
         participants: Those that have something to do.
     """
 
     time: int
-    phase: Phase
+    phase: int
     participants: tuple[str, ...]
 
 
@@ -39,7 +40,8 @@ class Agenda:
     """Goes from instant to instant and from phase to phase, past those in which nothing is due.
 
     A phase is over when its turn was given, but planners and programs have turns until none has anything to
-    do. What becomes due in a phase that is over waits for the next instant.
+    do. Those for which something becomes due in a phase that is over have a turn `OVER` at the end of the
+    instant, in which they report when they do it; what has no time of its own waits for the next instant.
     """
 
     def __init__(self) -> None:
@@ -48,6 +50,7 @@ class Agenda:
         self._next = Phase.ENVIRONMENT
         self._due: dict[str, tuple[int, ...]] = {}
         self._turns = 0
+        self._over = False
 
     def set_due(self, participant: str, due: tuple[int, ...]) -> None:
         """When a participant has something to do next, ns, for each phase; `NEVER` for nothing."""
@@ -76,10 +79,13 @@ class Agenda:
         later = min((time for due in self._due.values() for time in due), default=NEVER)
         if later == NEVER:
             return None
-        # What became due in a phase that was over is done at the next instant at which anything is due.
+        overdue = tuple(name for name, times in self._due.items() if min(times) <= self.time)
+        if overdue and not self._over:
+            self._over = True
+            return Turn(self.time, OVER, overdue)
         after = min((t for due in self._due.values() for t in due if t > self.time), default=NEVER)
         self.time = self.time + 1 if after == NEVER else after
-        self._next, self._turns = Phase.ENVIRONMENT, 0
+        self._next, self._turns, self._over = Phase.ENVIRONMENT, 0, False
         return self.next_turn()
 
     def _at_this_instant(self) -> Turn | None:

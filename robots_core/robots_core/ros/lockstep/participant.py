@@ -32,6 +32,7 @@ from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 from robots_core.ros.lockstep.protocol import (
     GO,
+    OVER,
     PARTICIPANTS,
     RELEASE,
     REPORT,
@@ -285,6 +286,10 @@ class Participant:
             for entity in self._entities:
                 if isinstance(entity, CountedPublisher):
                     entity.release()
+        elif phase == OVER:
+            for work in self._works:
+                if isinstance(work, LockstepLoop):
+                    work.pass_over(now)
         else:
             self._do_what_is_due(phase)
         self._answered = sequence

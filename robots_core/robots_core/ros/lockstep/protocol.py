@@ -32,6 +32,9 @@ def is_of_protocol(topic: str) -> bool:
 
 RELEASE: Final = -1
 """The phase of the first turn, in which the participants send what they have held back so far."""
+OVER: Final = -2
+"""The phase of a turn at the end of an instant, in which participants report again what they have to do: what
+became due in a phase that was over is due later."""
 
 # CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
 # length, padding to 8 bytes, the numbers.

@@ -63,6 +63,7 @@ class LockstepLoop(ScheduledLoop):
     ) -> None:
         super().__init__(work, period=period, origin=START)
         self.phase, self._next_time = phase, next_time
+        self._earliest = first
         self._schedule.begin(first)
 
     @property
@@ -75,13 +76,18 @@ class LockstepLoop(ScheduledLoop):
         if self._next_time is None:
             return schedule.next_time
         needed = instant(self._next_time())
-        return NEVER if needed == NEVER else max(schedule.next_time, schedule.first(needed))
+        return NEVER if needed == NEVER else schedule.first(max(needed, self._earliest))
 
     def run(self, now: int) -> None:
         """As `ScheduledLoop.run`; turns that were left out are not made up."""
         if self._next_time is not None:
             self._schedule.begin(now)
+        self.pass_over(now)
         super().run(now)
+
+    def pass_over(self, now: int) -> None:
+        """It has no further turn at `now`, ns: what it needs is done at the next multiple."""
+        self._earliest = now + 1
 
 
 class LockstepTimer:
