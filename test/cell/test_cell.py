@@ -192,10 +192,10 @@ def test_a_full_disk_is_reported_while_the_cell_runs_on_and_leads_to_an_error_co
     session_ros_domain: int, tmp_path: Path
 ) -> None:
     del session_ros_domain
-    (tmp_path / 'wait.lua').write_text('wait(20)\nprint("still here")')
+    (tmp_path / 'wait.lua').write_text('wait(12)\nprint("still here")')
     options = ('--program', str(tmp_path / 'wait.lua'), '--once', '--lockstep', '--composed', '--headless')
     text = io.StringIO()
-    with no_file_larger_than(2 * CHUNK_SIZE):  # of some four
+    with no_file_larger_than(3 * CHUNK_SIZE // 2):  # of more than two
         code = run_cell(
             parse_options([*options, '--record', str(tmp_path / 'out')]), Console(file=text, width=200)
         )

@@ -1,6 +1,5 @@
 """The nodes in lock-step and the simulation do the same, to the last bit."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +12,12 @@ from robots_core import load_robot_model
 from robots_core.blocks import ZoneDetection, read_scene
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
-from short_programs import PROGRAMS, short_copy
+from short_programs import PROGRAMS, SHORTENED, SHORTEST, short_copy
 from written_bags import write_bag
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells
-from .lockstep_runs import COMPARED_RATE, LockstepRuns
+from .lockstep_runs import COMPARED_RATE, FULL, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 NAMES += ['language/three_axes.lua', 'motion_simulator/on_linear_axis.lua']
@@ -40,9 +39,8 @@ def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRu
 def test_both_cells_do_the_same_in_all_examples(
     drive: str, lockstep_runs: LockstepRuns, tmp_path: Path
 ) -> None:
-    folder = tmp_path / 'programs'
-    shutil.copytree(PROGRAMS, folder)
-    program = folder / 'language' / 'all.lua'
+    texts = SHORTENED if drive == FULL else SHORTEST
+    program = short_copy(tmp_path / 'programs', 'language/tasks.lua', texts).with_name('all.lua')
     # A simulation has neither a person nor a sensor, but recordings of them.
     guides = [*twists('/teach_twist', 'tool', 0.2), *twists('/reference_twist', 'base', 0.2)]
     write_bag(program.parent / 'guides', guides)

@@ -84,7 +84,7 @@ class Operator:
 def test_every_mistake_is_explained_and_the_next_program_runs(
     ros_nodes: Any, start_cell: Callable[..., CellThread], tmp_path: Path
 ) -> None:
-    cell = start_cell('--robot', ROBOT, '--lockstep')
+    cell = start_cell('--robot', ROBOT, '--lockstep', '--rate', '50')
     cell.until_ready()
     operator = Operator(ros_nodes)
     operator.until_found()
