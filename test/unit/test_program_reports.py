@@ -48,8 +48,10 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     assert simulated(tmp_path, path) == (ExitCode.FAILED if failed else ExitCode.OK)
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
-    for browser in BROWSERS if program.stem in OPENED else ():
-        opened = open_page(browser, path, tmp_path / f'browser_{Path(browser).name}')
+    if program.stem in OPENED:
+        opened = open_page(
+            BROWSERS[-1], path, tmp_path / 'browser'
+        )  # each of them opens those of report_page
         assert opened.errors == []
         # Every plot is drawn, and the robot shaded.
         assert all(colours > 2 for _, colours in opened.colours)
