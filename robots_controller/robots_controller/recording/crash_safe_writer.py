@@ -126,7 +126,8 @@ class CrashSafeWriter(Writer):
         storage.close(VERSION, json.dumps(description))
         # A reader finds the old description or the new one.
         new = self.metapath.with_suffix('.yaml.tmp')
-        new.write_text(json.dumps({'rosbag2_bagfile_information': description}), 'utf8')
+        text = json.dumps({'rosbag2_bagfile_information': description}, separators=(',\n ', ': '))
+        new.write_text(text, 'utf8')
         new.replace(self.metapath)
 
     def _description(self) -> dict[str, Any]:
