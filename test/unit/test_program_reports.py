@@ -49,9 +49,8 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     if program.stem in OPENED:
-        opened = open_page(
-            BROWSERS[-1], path, tmp_path / 'browser'
-        )  # each of them opens those of report_page
+        # One browser is enough: `test_report_page` opens its reports in each.
+        opened = open_page(BROWSERS[-1], path, tmp_path / 'browser')
         assert opened.errors == []
         # Every plot is drawn, and the robot shaded.
         assert all(colours > 2 for _, colours in opened.colours)
