@@ -59,7 +59,7 @@ GUIDED = {
 RATES = (50.0, 25.0, 100.0, 40.0)
 
 
-@pytest.mark.parametrize(('guide', 'rate'), zip(GUIDED, RATES, strict=True))
+@pytest.mark.parametrize(('guide', 'rate'), list(zip(GUIDED, RATES, strict=True)))
 def test_references_are_those_of_the_simulation(
     lockstep_runs: LockstepRuns, tmp_path: Path, guide: str, rate: float
 ) -> None:

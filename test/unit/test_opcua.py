@@ -34,6 +34,8 @@ outputs:
   - {channel: analog_output.1, opcua: {node: ns=2;s=count, type: int32}, scale: 10}
 """
 
+CONNECTED = 'opcua line: connected'
+
 Start = Callable[..., PlantBench]
 
 
@@ -203,9 +205,10 @@ def test_a_subscription_that_the_server_ends_is_made_again(partner: OpcuaPartner
     partner.start()
     bench = start(partner)
     bench.until(lambda: bench.inputs.get('analog_input.1') == 2.5, 'the input')
+    bench.until(lambda: CONNECTED in bench.told, 'the connection')  # inputs may arrive before
     partner.end_subscriptions()
     partner.set('force', 1500.0)  # asyncua's server sends the end with the next change
-    bench.until(lambda: bench.told.count('opcua line: connected') == 2, 'another connection')
+    bench.until(lambda: bench.told.count(CONNECTED) == 2, 'another connection')
     bench.until(lambda: bench.inputs['analog_input.1'] == 1.5, 'the value')
     partner.set('force', 1000.0)
     bench.until(lambda: bench.inputs['analog_input.1'] == 1.0, 'the change')
@@ -271,9 +274,10 @@ def test_noise_in_the_middle_of_a_connection_ends_it(partner: OpcuaPartner, star
     line = Line(partner.port)
     line.start()
     bench = start(line)
+    bench.until(lambda: CONNECTED in bench.told, 'the connection')
     bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
     line.shout(noise)
-    bench.until(lambda: bench.told.count('opcua line: connected') == 2, 'another connection')
+    bench.until(lambda: bench.told.count(CONNECTED) == 2, 'another connection')
     partner.set('ready', value=True)
     bench.until(lambda: bench.inputs['digital_input.1'] == 1.0, 'the input')
     line.end()
