@@ -50,7 +50,7 @@ class JoggedRobot(Bench):
             stream_timeout=0.5,
             operating_mode='T2',
         )
-        self.start_node(PlanningNode, robot_model=NAME)
+        self.planner = self.start_node(PlanningNode, robot_model=NAME)
         self._timer: Any = None
         self.wait(lambda: self.references, 'a robot that stands')
 
@@ -107,6 +107,23 @@ def test_an_axis_moves_while_it_is_jogged_and_stops_without_commands(bench: Jogg
     bench.wait(lambda: not bench.controller.moving, 'the end of the stream')
     bench.set_parameters(bench.controller, operating_mode='AUTOMATIC')
     bench.wait(lambda: bench.move(HOME).ok, 'a motion')
+
+
+def test_a_jog_that_begins_as_another_ends_moves_the_robot(
+    bench: JoggedRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jogging = bench.planner._jogging.jogging
+    jog_axes = jogging.jog_axes
+
+    def jog_as_the_stream_ends(*command: Any) -> bool:
+        monkeypatch.undo()
+        jogging.end()  # by the loop of the stream, in its own thread
+        return jog_axes(*command)
+
+    monkeypatch.setattr(jogging, 'active', True)
+    monkeypatch.setattr(jogging, 'jog_axes', jog_as_the_stream_ends)
+    bench.press('teach_joints', axis_command(1, 0.2))
+    bench.wait(lambda: bench.q()[1] > HOME[1] + 0.01, 'axis 2 moves')
 
 
 def test_a_tool_moves_along_its_own_axis(bench: JoggedRobot) -> None:

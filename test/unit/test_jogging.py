@@ -49,9 +49,19 @@ def test_the_stream_ends_when_nobody_jogs_and_the_robot_stands():
     np.testing.assert_array_equal(np.delete(bench.q, 1), np.delete(HOME, 1))
 
 
+def test_a_command_begins_a_stream_unless_there_is_one():
+    bench = Bench()
+    for _ in range(2):
+        assert bench.jogging.jog_axes(COMMAND, 0.0, bench.time)
+        assert not bench.jogging.jog_axes(COMMAND, 0.0, bench.time)
+        assert not bench.jogging.jog_tool(np.eye(6)[0], 'base', 0.0, bench.time)
+        bench.run(500)
+        assert not bench.jogging.active
+
+
 def test_no_velocity_starts_nothing():
     bench = Bench()
-    bench.jogging.jog_axes(0.0 * COMMAND, 0.0, 0.0)
+    assert not bench.jogging.jog_axes(0.0 * COMMAND, 0.0, 0.0)
     assert not bench.jogging.active
 
 

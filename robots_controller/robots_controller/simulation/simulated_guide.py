@@ -190,15 +190,15 @@ class SimulatedGuide:
         self._received = True
 
     def _jog(self, message: GuidingMessage) -> None:
-        active, command = self._jogging.active, message.value
+        command, begins = message.value, False
         assert isinstance(command, np.ndarray)
         age, now = (message.time - message.valid) / NANOSECONDS, message.time / NANOSECONDS
         with contextlib.suppress(RobotsError):  # jogging continues, as in a live cell
             if message.topic == 'teach_joints':
-                self._jogging.jog_axes(command, age, now)
+                begins = self._jogging.jog_axes(command, age, now)
             else:
-                self._jogging.jog_tool(command, message.frame, age, now)
-        if self._jogging.active and not active:
+                begins = self._jogging.jog_tool(command, message.frame, age, now)
+        if begins:
             self._jog_times.begin(message.time + 1)
 
     def _send(self, step: RealtimeStep | TeachStep | None, time: int, period: int) -> None:

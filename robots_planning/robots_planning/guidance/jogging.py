@@ -73,7 +73,7 @@ class Jogging:
         if self._tool.distance_to(tool) != (0.0, 0.0) or self._hold != hold:
             self._tool, self._hold, self._next_box = tool, hold, None
 
-    def jog_axes(self, velocity: ArrayLike, age: float, now: float) -> None:
+    def jog_axes(self, velocity: ArrayLike, age: float, now: float) -> bool:
         """Take a command for the axes.
 
         Args:
@@ -81,17 +81,20 @@ class Jogging:
             age: Time since it was given, s.
             now: On the same clock as `step`, s.
 
+        Returns:
+            A stream begins: `step` is to be called from now on.
+
         Raises:
             InvalidInputError: a value that is not finite.
             PlanningError: the command is stale, or the robot moves otherwise.
         """
         values = np.asarray(velocity, dtype=np.float64)
-        self._jog(values, age, lambda box: box.jog_axes(values, now - max(age, 0.0)))
+        return self._jog(values, age, lambda box: box.jog_axes(values, now - max(age, 0.0)))
 
-    def jog_tool(self, twist: ArrayLike, axes: JogAxes, age: float, now: float) -> None:
+    def jog_tool(self, twist: ArrayLike, axes: JogAxes, age: float, now: float) -> bool:
         """Take a command for the tool, (6,) in m/s and rad/s, along and about these axes; see `jog_axes`."""
         values = np.asarray(twist, dtype=np.float64)
-        self._jog(values, age, lambda box: box.jog_tool(values, now - max(age, 0.0), axes))
+        return self._jog(values, age, lambda box: box.jog_tool(values, now - max(age, 0.0), axes))
 
     def step(self, now: float) -> TeachStep | None:
         """Motion of the next period, now in s; None when the stream is over, and `end` is to be called."""
@@ -114,7 +117,7 @@ class Jogging:
         """End the stream; the next command starts another one."""
         self.active = False
 
-    def _jog(self, command: Array, age: float, put: Callable[[TeachBox], None]) -> None:
+    def _jog(self, command: Array, age: float, put: Callable[[TeachBox], None]) -> bool:
         if age > self._timeout:
             raise PlanningError(
                 f'the command is {age:.3g} s old, allowed is {self._timeout:g} s: are the clocks the same?',
@@ -124,8 +127,11 @@ class Jogging:
             raise InvalidInputError(f'the command is {command.tolist()}, every value must be a finite number')
         if self.active:
             self._commands.append(put)
-        elif command.any():
-            self._start(put)
+            return False
+        if not command.any():
+            return False
+        self._start(put)
+        return True
 
     def _start(self, put: Callable[[TeachBox], None]) -> None:
         if self._busy():

@@ -81,14 +81,12 @@ class JogStream:
         velocity = joint_values(message.name, message.velocity, self._names, 'teach_joints')
         self._jog(message, partial(self.jogging.jog_axes, velocity))
 
-    def _jog(self, message: Any, jog: Callable[[float, float], None]) -> None:
+    def _jog(self, message: Any, jog: Callable[[float, float], bool]) -> None:
         """Give a command, with its age by the stamp and the time in s; a first one starts the loop."""
         self._commanders.check(Commander.PENDANT)
         sent = nanoseconds(message.header.stamp)
         age = (self._node.get_clock().now().nanoseconds - sent) / NANOSECONDS if sent else 0.0
-        active = self.jogging.active
-        jog(age, self._node.now())
-        if active or not self.jogging.active:
+        if not jog(age, self._node.now()):
             return
         if self._stream is None:
             self._stream = ReferenceStream(
