@@ -173,7 +173,7 @@ def test_a_step_ends_just_there_and_leaves_the_settings_as_they_were(
     robot, before = cell.node.robot, settings(cell)
     if key.startswith('base'):  # from a posture that is not singular
         for bent in ('axes 3 +', 'axes 4 +'):
-            cell.step(bent, 0.4)
+            cell.step(bent, 0.15)
     cell.until_standing()
     start = np.array(cell.references[-1].positions)
     cell.step(key, step)
