@@ -34,7 +34,7 @@ PAGE_PORTS: Final = 10
 """Ports between those that are tried for the 3D view and those for the operator's page."""
 KEEP_TIME: Final = ('drive_node', 'hardware_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
-
+POSE_RATE: Final = 50.0  # Hz, of the tool's pose at most; never more than references
 
 _EMERGENCY_STOP_OF_PRIMITIVES: Final = (
     'a driver of motion primitives (--driver) excludes emergency_stop: {} would stop nothing, because no '
@@ -272,7 +272,7 @@ def cell_graph(
             **watched,
             **names,
         ),
-        node('robots_core', 'direct_kinematics_node'),
+        node('robots_core', 'direct_kinematics_node', rate=min(POSE_RATE, rate)),
         node('robots_core', 'robot_state_node'),
         *([] if headless else [node('robots_core', 'visualizer_node', port=port, scene=scene)]),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
