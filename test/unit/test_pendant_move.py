@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from robots_core.errors import RobotsError
 from robots_planning.motion_kinds import JOINT
 
 MOVES = 'the robot moves'
+LONG_ENOUGH = 0.1  # s, in which a release that does not wait would have ended
 COMMAND = MotionCommand(kind=JOINT, line=0, function='', q=np.zeros(6))
 
 
@@ -58,6 +60,22 @@ def test_the_motion_is_sent_when_the_robot_is_taken_and_ends_with_its_result(des
     assert desk.ends == [None]
     desk.move.end()
     assert desk.calls == ['take', 'send', 'give back']
+
+
+def test_a_release_while_the_motion_is_being_sent_cancels_it(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    release = Thread(target=desk.move.end)
+
+    def send(_command: MotionCommand) -> None:
+        release.start()
+        release.join(LONG_ENOUGH)
+        desk.calls.append('send')
+
+    monkeypatch.setattr(desk, 'send', send)
+    desk.answers[0]('')
+    release.join()
+    assert desk.calls == ['take', 'send', 'cancel', 'give back']
 
 
 def test_a_motion_that_is_given_up_is_canceled_before_the_robot_is_given_back(desk: Desk) -> None:

@@ -43,7 +43,8 @@ class PendantMove:
 
     def __init__(self, port: MovePort, now: Callable[[], float]) -> None:
         self._port, self._now = port, now
-        self._lock = threading.Lock()
+        # Entered again where a motion has failed as soon as it is sent.
+        self._lock = threading.RLock()
         self._running: tuple[MotionCommand, Done] | None = None
         self._begun = 0.0
         self._waiting = False  # for the robot to stand, so that it can be taken
@@ -86,9 +87,10 @@ class PendantMove:
         with self._lock:
             if self._running is None or self._running[0] is not command:  # released meanwhile
                 return
-        if not refusal:
-            self._port.send(command)
-        elif self._now() - self._begun < STANDING_TIME:
+            if not refusal:  # a release from now on cancels what was sent
+                self._port.send(command)
+                return
+        if self._now() - self._begun < STANDING_TIME:
             self._waiting = True
         else:
             self.ended(command, CommandRefusedError(refusal))
