@@ -61,7 +61,7 @@ class TopBar:
                 self._build_tools()
             self._build_stop()
         with ui.element('div').classes('strip') as self._strip:
-            self._fault_icon = ui.icon('report')
+            ui.icon('report')
             self._fault = ui.label()
             self._reset = ActionButton(
                 viewer, Action.RESET, text('bar.reset'), 'restart_alt', partial(self._act, Action.RESET)
