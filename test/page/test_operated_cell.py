@@ -134,6 +134,17 @@ def test_a_program_waits_for_an_input_that_is_forced(
     wait(page, lambda: not operator.state.io.forced, 'no forced input')
 
 
+def test_a_new_program_is_listed_where_the_list_has_been_used_before(
+    page: Page, cell: Cell, operator: PendantOperator
+) -> None:
+    (cell.folder / 'first.lua').write_text('wait(1)\n')
+    choose(page, operator, 'first.lua')
+    (cell.folder / 'second.lua').write_text('wait(1)\n')
+    page.get_by_label('Robot program').click()
+    page.get_by_role('option', name='second.lua', exact=True).click()
+    wait(page, lambda: operator.state.program.path.endswith('second.lua'), 'the new one is open')
+
+
 def test_a_wrong_program_shows_its_line(page: Page, cell: Cell, operator: PendantOperator) -> None:
     (cell.folder / 'wrong.lua').write_text(
         'setDigitalOutput(1, 1)\nptpJointSpaceAngles(500, 0, 0, 0, 0, 0)\n'

@@ -63,7 +63,8 @@ class ProgramPanel:
                     .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
-                self._choice.on('focus', lambda: self._choice.set_options(program_files(folder)))
+                for event in ('focus', 'popup-show'):  # one that has the focus already may be opened again
+                    self._choice.on(event, lambda: self._choice.set_options(program_files(folder)))
                 self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
                 with (
