@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from robots_controller.pendant.page.viewer import Viewer
+from robots_controller.pendant.page.viewer import Viewer, read_when_opened
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_planning.motion_settings import frame
@@ -29,7 +29,7 @@ class FrameChoice:
             .props(f'dense outlined options-dense label="{viewer.texts("jog.frame")}"')
             .classes('frame')
         )
-        self.element.on('focus', self._read)
+        read_when_opened(self.element, self._read)
 
     @property
     def pose(self) -> Pose:

@@ -19,7 +19,7 @@ from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer, read_when_opened
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
@@ -63,8 +63,7 @@ class ProgramPanel:
                     .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
-                for event in ('focus', 'popup-show'):  # one that has the focus already may be opened again
-                    self._choice.on(event, lambda: self._choice.set_options(program_files(folder)))
+                read_when_opened(self._choice, lambda: self._choice.set_options(program_files(folder)))
                 self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
                 with (
