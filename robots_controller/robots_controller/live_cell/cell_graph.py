@@ -34,7 +34,8 @@ PAGE_PORTS: Final = 10
 """Ports between those that are tried for the 3D view and those for the operator's page."""
 KEEP_TIME: Final = ('drive_node', 'hardware_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
-POSE_RATE: Final = 50.0  # Hz, of the tool's pose at most; never more than references
+POSE_RATE: Final = 50.0
+"""Of the tool's pose at most, Hz; never higher than that of references."""
 
 _EMERGENCY_STOP_OF_PRIMITIVES: Final = (
     'a driver of motion primitives (--driver) excludes emergency_stop: {} would stop nothing, because no '

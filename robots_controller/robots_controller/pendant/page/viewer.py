@@ -117,6 +117,6 @@ class ActionButton:
 
 
 def read_when_opened(choice: ui.select, read: Callable[[], object]) -> None:
-    """Read the entries of a list whenever it is opened, with the focus on it already too."""
+    """Read the entries of a list whenever it is opened, even if it has the focus already."""
     for event in ('focus', 'popup-show'):
         choice.on(event, read)
