@@ -66,15 +66,9 @@ def jog(page: Page, cell: Cell, axis: int) -> None:
 def choose(page: Page, operator: PendantOperator, name: str) -> None:
     """Choose a program of the folder."""
     show(page, 'Program')
-
-    def chosen() -> bool:
-        if not operator.state.program.path.endswith(name):  # the list is read anew when it is opened
-            page.get_by_label('Robot program').click()
-            page.get_by_role('option', name=name, exact=True).click()
-            page.wait_for_timeout(1000.0)
-        return operator.state.program.path.endswith(name)
-
-    wait(page, chosen, f'{name} is open')
+    page.get_by_label('Robot program').click()
+    page.get_by_role('option', name=name, exact=True).click()
+    wait(page, lambda: operator.state.program.path.endswith(name), f'{name} is open')
     wait(page, lambda: operator.state.program.state is RunState.OPENED, 'a program that can run')
 
 
@@ -140,9 +134,7 @@ def test_a_new_program_is_listed_where_the_list_has_been_used_before(
     (cell.folder / 'first.lua').write_text('wait(1)\n')
     choose(page, operator, 'first.lua')
     (cell.folder / 'second.lua').write_text('wait(1)\n')
-    page.get_by_label('Robot program').click()
-    page.get_by_role('option', name='second.lua', exact=True).click()
-    wait(page, lambda: operator.state.program.path.endswith('second.lua'), 'the new one is open')
+    choose(page, operator, 'second.lua')
 
 
 def test_a_wrong_program_shows_its_line(page: Page, cell: Cell, operator: PendantOperator) -> None:

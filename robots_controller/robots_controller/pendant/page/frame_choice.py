@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from nicegui import ui
-
-from robots_controller.pendant.page.viewer import Viewer, read_when_opened
+from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.viewer import Viewer
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_planning.motion_settings import frame
@@ -25,11 +24,11 @@ class FrameChoice:
         self._poses: dict[str, Pose] = {}
         self._base = viewer.texts('jog.program_base')
         self.element = (
-            ui.select({'': self._base}, value='')
+            Choice({'': self._base}, value='')
+            .when_opened(self._read)
             .props(f'dense outlined options-dense label="{viewer.texts("jog.frame")}"')
             .classes('frame')
         )
-        read_when_opened(self.element, self._read)
 
     @property
     def pose(self) -> Pose:
@@ -37,12 +36,10 @@ class FrameChoice:
         base = frame(self._viewer.operator.state.settings.base, 'base')
         return self._poses.get(str(self.element.value), base) if self.element.value else base
 
-    def _read(self) -> None:
+    def _read(self) -> dict[str, str]:
+        self._refused('')
         try:
             self._poses = self._viewer.operator.jog_frames()
         except RobotsError as error:
             self._refused(self._viewer.texts.error(error))
-            return
-        self._refused('')
-        chosen = self.element.value if self.element.value in self._poses else ''
-        self.element.set_options({name: name or self._base for name in self._poses}, value=chosen)
+        return {'': self._base, **{name: name for name in self._poses if name}}

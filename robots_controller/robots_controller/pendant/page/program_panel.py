@@ -16,10 +16,11 @@ from pygments.lexers import LuaLexer
 from pygments.token import Token
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer, read_when_opened
+from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
@@ -59,11 +60,12 @@ class ProgramPanel:
         with ui.element('div').classes('panel program-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
-                    ui.select(program_files(folder), with_input=True, on_change=self._open)
+                    Choice(program_files(folder), with_input=True)
+                    .when_chosen(self._open)
+                    .when_opened(lambda: program_files(folder))
                     .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
-                read_when_opened(self._choice, lambda: self._choice.set_options(program_files(folder)))
                 self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
                 with (
@@ -104,8 +106,8 @@ class ProgramPanel:
                 with ui.tab_panel(VIEWS[2]):
                     self._held = HeldProgramView(viewer)
 
-    async def _open(self) -> None:
-        viewer, name = self._viewer, self._choice.value
+    async def _open(self, name: str | None) -> None:
+        viewer = self._viewer
         path = str(self._folder / name) if name else ''
         before = viewer.operator.state.program.path
         if not path or path == before:

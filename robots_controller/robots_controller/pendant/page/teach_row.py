@@ -9,6 +9,7 @@ from typing import Final
 
 from nicegui import ui
 
+from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -41,7 +42,7 @@ class TeachRow:
         text = viewer.texts
         with ui.element('div').classes('row-of-buttons teach'):
             self._name = (
-                ui.select([], with_input=True, new_value_mode='add-unique')
+                Choice([], with_input=True, new_value_mode='add-unique')
                 .props(f'dense outlined options-dense label="{text("teach.point")}"')
                 .classes('point')
             )

@@ -8,6 +8,7 @@ from typing import Final
 from nicegui import ui
 
 from robots_controller.pendant.channels import channel_label
+from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -46,7 +47,8 @@ class TopBar:
                 with ui.element('div').classes('fact'):
                     ui.label(text('bar.mode')).classes('caption')
                     self._mode = (
-                        ui.select([*OperatingMode], on_change=self._choose_mode)
+                        Choice([*OperatingMode])
+                        .when_chosen(self._choose_mode)
                         .props(f'dense borderless options-dense aria-label="{text("bar.mode")}"')
                         .classes('mode')
                     )
@@ -89,7 +91,9 @@ class TopBar:
                 self._slider = ui.slider(min=0, max=100, value=100).props(
                     f'aria-label="{text("bar.override")}"'
                 )
-                self._slider.on('update:model-value', self._slide, throttle=0.05)
+                self._slider.on(
+                    'update:model-value', lambda event: self._set_override(int(event.args)), throttle=0.05
+                )
                 ui.button(icon='add', on_click=partial(self._change_override, STEP), color=None).props(
                     f'flat dense round aria-label="{text("bar.faster")}"'
                 )
@@ -138,14 +142,11 @@ class TopBar:
         viewer = self._viewer
         await viewer.do(self.line, lambda: viewer.operator.act(viewer.id, action))
 
-    async def _choose_mode(self) -> None:
-        viewer, mode = self._viewer, self._mode.value
+    async def _choose_mode(self, mode: OperatingMode | None) -> None:
+        viewer = self._viewer
         if mode not in (None, viewer.operator.state.mode):
             await viewer.do(self.line, lambda: viewer.operator.set_mode(viewer.id, mode))
             self._show_mode(viewer.operator.state)
-
-    async def _slide(self) -> None:
-        await self._set_override(int(self._slider.value))
 
     async def _change_override(self, step: int) -> None:
         await self._set_override(min(100, max(0, self._override + step)))

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from nicegui import ui
 
+from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.trends import LONGEST, Signal
@@ -40,7 +41,7 @@ class TrendPanel:
         with ui.element('div').classes('panel trend-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
-                    ui.select({}, multiple=True, with_input=True, on_change=self._limit)
+                    Choice({}, multiple=True, with_input=True, on_change=self._limit)
                     .props(f'dense outlined options-dense use-chips label="{text("trends.signals")}"')
                     .classes('signals')
                 )

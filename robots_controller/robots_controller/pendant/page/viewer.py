@@ -114,9 +114,3 @@ class ActionButton:
         self.element.props(f'aria-disabled={"true" if reason else "false"}')
         self._tooltip.set_text(reason)
         self._tooltip.set_visibility(bool(reason))
-
-
-def read_when_opened(choice: ui.select, read: Callable[[], object]) -> None:
-    """Read the entries of a list whenever it is opened, even if it has the focus already."""
-    for event in ('focus', 'popup-show'):
-        choice.on(event, read)

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from robots_controller.measuring.frame_measuring import NEEDED
 from robots_controller.measuring.shown_numbers import degrees, millimetres
+from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.measuring.saved_frame import SavedFrame, file_names
 from robots_controller.pendant.page.measuring.touched_points import TouchedPoints
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
@@ -32,7 +33,7 @@ class BaseMeasuring:
         with ui.element('div').classes('guide base-guide') as self.element:
             ui.label(text('frames.base_hint')).classes('hint')
             self._tool = (
-                ui.select({'': text('frames.flange')}, value='')
+                Choice({'': text('frames.flange')}, value='')
                 .props(f'dense outlined options-dense label="{text("frames.touching_tool")}"')
                 .classes('point')
             )
@@ -54,8 +55,7 @@ class BaseMeasuring:
         names = file_names(self._viewer, self._line, self._file(), 'tool', self._read)
         if names is not None:
             self._read, tools = names
-            options = {'': text('frames.flange')} | {name: name for name in tools}
-            self._tool.set_options(options, value=self._touching if self._touching in options else '')
+            self._tool.show({'': text('frames.flange')} | {name: name for name in tools})
         known = (*map(id, measuring.points['base']), self._touching, self._read)
         if known != self._known:
             self._known = known
