@@ -375,6 +375,11 @@ def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, c
     operator.state = switched(operator.state, 'digital_outputs', 2, 1.0)
     row = page.locator('.channel', has_text='gripper')
     row.locator('.lamp.on').wait_for()
+    page.get_by_role('button', name='digital_output.2', exact=True).click()
+    wait(page, lambda: cell.calls[1:] == [('set', 'digital_output.2', 0.0)], 'an output switched off')
+    row.locator('.lamp').evaluate('(lamp) => lamp.classList.remove("on")')  # what the person sees counts
+    page.get_by_role('button', name='digital_output.2', exact=True).click()
+    wait(page, lambda: cell.calls[2:] == [('set', 'digital_output.2', 1.0)], 'it was seen off')
     page.get_by_label('Name or number').fill('part_pr')
     row.wait_for(state='detached')
     assert page.locator('.channel').count() == 2

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from pendant_desk import ME, READY, Desk
 from robots_controller.pendant.jog.held_button import MOVE_KEY
+from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import NotPermittedError
 from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
 
 OTHER = 'other'
 
@@ -72,6 +75,7 @@ def test_a_target_is_moved_to_after_its_preview() -> None:
     goal = np.array(desk.robot.home)
     goal[0] += 0.05
     found = desk.operator.preview(ME, 'joints', goal.tolist(), 0.5)
+    assert found is not None
     assert found.duration > 0.0
     np.testing.assert_allclose(desk.cell.last[1], goal)
     for time, q in ((0.0, desk.robot.home), (found.duration, goal)):
@@ -84,6 +88,25 @@ def test_a_target_is_moved_to_after_its_preview() -> None:
     assert moves(desk)[-2:] == ['begin_move', 'hold_run True']
     desk.operator.give_back_control(ME)
     assert desk.cell.last == ('show_ghost', None)
+
+
+def test_a_target_that_changes_while_it_is_planned_is_not_moved_to() -> None:
+    desk = standing_desk()
+
+    class Changing(PathPlanning):
+        """Takes so long that the person types another target meanwhile."""
+
+        def plan(self, *values: Any, **options: Any) -> PlannedMotion:
+            desk.operator.forget_preview(ME)
+            return super().plan(*values, **options)
+
+    operator = PendantOperator(desk.robot, desk.cell, lambda: desk.time, lambda: Changing(desk.robot))
+    operator.state, desk.operator = desk.operator.state, operator
+    operator.take_control(ME)
+    assert operator.preview(ME, 'joints', [*desk.robot.home], 0.5) is None
+    assert desk.cell.calls == []
+    with pytest.raises(NotPermittedError, match='no_preview'):
+        desk.hold(key=MOVE_KEY)
 
 
 @pytest.mark.parametrize('step', [-0.1, 0.6, float('nan')])

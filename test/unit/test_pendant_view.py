@@ -73,10 +73,25 @@ def test_messages_that_repeat_are_counted_and_come_first() -> None:
     assert [one.text for one in log.shown(Level.WARNING)] == ['limit']
     assert [one.text for one in log.shown(part='B_NODE')] == ['planned']
     assert log.pending == 1
-    log.acknowledge()
+    log.acknowledge(log.shown())
     assert log.pending == 0
     log.add(4.0, Level.WARNING, 'a_node', 'limit')
     assert (log.pending, log.shown()[0].count) == (1, 1)
+
+
+def test_messages_that_come_while_others_are_acknowledged_stay_pending() -> None:
+    log = MessageLog()
+    for text in ('limit', 'lost'):
+        log.add(1.0, Level.ERROR, 'a_node', text)
+    seen = log.shown()
+    log.add(2.0, Level.ERROR, 'a_node', 'limit')
+    log.add(2.0, Level.ERROR, 'a_node', 'stopped')
+    log.acknowledge(seen)
+    assert {one.text: one.acknowledged for one in log.shown()} == {
+        'stopped': False,
+        'limit': False,
+        'lost': True,
+    }
 
 
 def test_messages_have_the_line_of_the_program_that_ran() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Final
@@ -63,11 +64,13 @@ class MessageLog:
                 self._messages.popitem(last=False)
             self.version += 1
 
-    def acknowledge(self) -> None:
-        """Acknowledge all messages."""
+    def acknowledge(self, messages: Iterable[LoggedMessage]) -> None:
+        """Acknowledge messages that `shown` has returned, but those that have come again since."""
         with self._lock:
-            for key, message in self._messages.items():
-                self._messages[key] = replace(message, acknowledged=True)
+            for message in messages:
+                key = message.node, message.text, message.level
+                if self._messages.get(key) is message:
+                    self._messages[key] = replace(message, acknowledged=True)
             self.version += 1
 
     def shown(self, lowest: Level = Level.INFO, part: str = '') -> list[LoggedMessage]:

@@ -92,6 +92,8 @@ class PendantOperator:
         self._port = port
         self._prediction = JogPrediction(robot)
         self._planning, self._planner = threading.Lock(), cache(lambda: MotionPreview(planning()))
+        self._previewing = threading.Lock()
+        self._targets: dict[str, object] = {}
         self._previews: dict[str, Preview] = {}
         self._printed = 0
 
@@ -155,7 +157,7 @@ class PendantOperator:
             return None
         return self._prediction.ahead(jog, state.q, state.jog_speeds, state.settings)
 
-    def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview:
+    def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview | None:
         """Plan the motion to a typed target, and show its end in the 3D view.
 
         Args:
@@ -164,11 +166,15 @@ class PendantOperator:
             values: See `target_command`.
             speed: Part of the highest jog speed, 0..1.
 
+        Returns:
+            The motion; None if the target was forgotten while it was planned.
+
         Raises:
             RobotsError: the target cannot be reached so.
         """
         self.forget_preview(viewer)
         self._check(viewer, Action.MOVE)
+        target = self._targets[viewer] = object()
         state = self.state
         basis = JogBasis(state.jog_speeds, state.settings)
         command = target_command(self.robot, way, values, speed, basis)
@@ -176,8 +182,11 @@ class PendantOperator:
             found = self._planner().plan(
                 command, standing(self._port, state), state.settings, state.jog_speeds.tool
             )
-        self._previews[viewer] = found
-        self._port.show_ghost(found.q)
+        with self._previewing:
+            if self._targets.get(viewer) is not target:
+                return None
+            self._previews[viewer] = found
+            self._port.show_ghost(found.q)
         return found
 
     def play_preview(self, viewer: str, time: float) -> None:
@@ -187,8 +196,10 @@ class PendantOperator:
 
     def forget_preview(self, viewer: str) -> None:
         """The target of a viewer is another one now, or none."""
-        if self._previews.pop(viewer, None) is not None:
-            self._port.show_ghost(None)
+        with self._previewing:
+            self._targets.pop(viewer, None)
+            if self._previews.pop(viewer, None) is not None:
+                self._port.show_ghost(None)
 
     # -- what is pressed once -----------------------------------------------------------------------------
 

@@ -16,6 +16,9 @@ from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_controller.pendant.permissions import Action
 
 MOST_ROWS: Final = 16  # of each image
+# The lamp that the person saw: the output may have changed since.
+WAS_ON: Final = """(event) => emit(
+    event.currentTarget.closest('.channel').querySelector('.lamp').classList.contains('on'))"""
 
 
 @dataclass
@@ -118,9 +121,11 @@ class IoPanel:
 
     def _build_switch(self, channel: Channel) -> None:
         if channel.kind == 'digital':
-            ui.button(icon='toggle_on', on_click=partial(self._toggle, channel), color=None).props(
+            ui.button(icon='toggle_on', color=None).props(
                 f'flat dense round aria-label="{channel.name}"'
-            ).classes('switch')
+            ).classes('switch').on(
+                'click', lambda event: self._set(channel, 0.0 if event.args else 1.0), js_handler=WAS_ON
+            )
             return
         with (
             ui.button(icon='edit', color=None).props(f'flat dense round aria-label="{channel.name}"'),
@@ -148,11 +153,6 @@ class IoPanel:
             ui.menu_item(text('io.release'), partial(self._force, channel, None))
 
     # -- what is pressed ----------------------------------------------------------------------------------
-
-    async def _toggle(self, channel: Channel) -> None:
-        viewer = self._viewer
-        before = viewer.operator.state.io.values[channel.image][channel.index - 1]
-        await self._set(channel, 0.0 if before else 1.0)
 
     async def _set(self, channel: Channel, value: float | None, menu: ui.menu | None = None) -> None:
         viewer = self._viewer

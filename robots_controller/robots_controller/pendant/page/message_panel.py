@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from html import escape
 from typing import Final
 
@@ -28,6 +29,7 @@ class MessagePanel:
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
         self._built: tuple[int, str, Level] | None = None
+        self._known: Sequence[LoggedMessage] = ()
         with ui.element('div').classes('panel message-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._lowest = ui.toggle(
@@ -45,7 +47,7 @@ class MessagePanel:
                 ui.button(
                     text('messages.acknowledge'),
                     icon='done_all',
-                    on_click=viewer.operator.messages.acknowledge,
+                    on_click=self._acknowledge,
                     color=None,
                 ).props('unelevated no-caps').classes('action')
                 ui.button(text('messages.export'), icon='download', on_click=self._export, color=None).props(
@@ -59,10 +61,14 @@ class MessagePanel:
         wanted = log.version, part, lowest
         if wanted == self._built:
             return
-        self._built = wanted
+        self._built, self._known = wanted, log.shown()
         rows = [_row(message, self._viewer.texts) for message in log.shown(lowest, part)[:MOST_ROWS]]
         nothing = f'<div class="hint">{escape(self._viewer.texts("messages.none"))}</div>'
         self._list.set_content(''.join(rows) or nothing)
+
+    def _acknowledge(self) -> None:
+        """Those that the page had when it was pressed, of any level."""
+        self._viewer.operator.messages.acknowledge(self._known)
 
     def _export(self) -> None:
         messages = self._viewer.operator.messages.shown(self._lowest.value, str(self._search.value or ''))

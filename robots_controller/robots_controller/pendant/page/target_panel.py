@@ -132,8 +132,9 @@ class TargetPanel:
             self._line.show(viewer.texts.error(error))
             self._show(None)
             return
-        self._line.show('')
-        self._show(found)
+        if found is not None:  # otherwise its fields have changed meanwhile
+            self._line.show('')
+            self._show(found)
 
     @staticmethod
     def _si(field: ui.number, factor: float) -> float:
