@@ -126,12 +126,12 @@ def test_a_change_wakes_who_waits():
 
     def wait() -> None:
         with condition:
-            seen.append(condition.wait_for(lambda: io.value(io.find('press_ready')) == 1.0, 10.0))
+            seen.append(condition.wait_for(lambda: io.value(io.find('press_ready')) == 1.0, 120.0))
 
     thread = threading.Thread(target=wait)
     thread.start()
     io.set_inputs('digital', [1])
-    thread.join(10.0)
+    thread.join(120.0)
     assert seen == [True]
 
 

@@ -16,7 +16,7 @@ from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.pose import Pose
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
 
-from .lua_host import LuaHost, wait_until
+from .lua_host import DEADLINE, LuaHost, wait_until
 
 PAPER_FUNCTIONS = {  # of its table 2
     *('ptpCartesianSpace', 'ptpJointSpaceAngles', 'ptpJointSpacePosition', 'setDigitalOutput'),
@@ -234,7 +234,7 @@ def test_halt_holds_the_program_until_it_is_let_go_on(tmp_path: Path):
     host.wait_for_print()
     wait_until(lambda: host.program.run_state is RunState.PAUSED)
     assert host.program.resume()
-    assert host.program.join(20.0)
+    assert host.program.join(DEADLINE)
     assert host.printed == ['halt: parts are missing', 'on']
 
 

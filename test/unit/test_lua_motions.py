@@ -14,7 +14,7 @@ from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_planning.robot_command_state import RobotCommandState
 
-from .lua_host import LuaHost
+from .lua_host import DEADLINE, LuaHost
 
 ROUNDING = 1e-12  # m, rad: of a chain of products in double precision
 
@@ -202,7 +202,7 @@ def test_blended_motions_follow_each_other_without_waiting(tmp_path: Path):
     assert not host.program.join(0.05)  # the wait lets both motions finish: it holds
     assert [change.index for change in host.outputs] == [1]
     host.program.finish_motion()
-    assert host.program.join(5.0)
+    assert host.program.join(DEADLINE)
     assert flushed == [2]
 
 
@@ -219,7 +219,7 @@ def test_last_motion_of_a_chain_comes_before_the_end_of_blending(tmp_path: Path)
     host.program.finish_motion(None, host.commands[1])
     host.wait_for_command()
     host.program.finish_motion()
-    assert host.program.join(5.0)
+    assert host.program.join(DEADLINE)
     assert [command.settings['blend_zone'] for command in host.commands] == [0.05, 0.05, 0.0]
     assert flushed == [2]
 
@@ -233,7 +233,7 @@ def test_result_of_the_last_blended_motion_ends_all(tmp_path: Path):
     host.wait_for_command()
     host.wait_for_command()
     host.program.finish_motion(None, host.commands[1])
-    assert host.program.join(5.0)
+    assert host.program.join(DEADLINE)
     assert host.program.motions == ()
 
 
@@ -253,7 +253,7 @@ def test_program_ends_when_the_last_blended_motion_does(tmp_path: Path):
     host.wait_for_command()
     assert not host.program.join(0.05)
     host.program.finish_motion()
-    assert host.program.join(5.0)
+    assert host.program.join(DEADLINE)
 
 
 def test_switches_on_the_path(tmp_path: Path):

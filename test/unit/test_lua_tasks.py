@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from .lua_host import LuaHost
+from .lua_host import DEADLINE, LuaHost
 from .simulated_program import outputs, run_text
 
 
@@ -27,7 +27,7 @@ def test_a_task_has_the_globals_of_the_program(tmp_path: Path):
     for value in (1, 0, 1, 0):
         host.program.digital_inputs = [value]
     host.program.digital_inputs = [0, 1]
-    assert host.program.join(20.0)
+    assert host.program.join(DEADLINE)
     assert host.printed[0] == 'on'
     assert int(host.printed[1]) <= 2
 

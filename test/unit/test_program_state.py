@@ -20,7 +20,7 @@ from robots_core.pose import Pose
 from robots_planning.motion_kinds import LINE
 from robots_planning.robot_command_state import RobotCommandState
 
-DEADLINE = 10.0  # s, for threads that should need milliseconds
+DEADLINE = 120.0  # s, for threads that should need milliseconds
 
 
 class SteppedClock:

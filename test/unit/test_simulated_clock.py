@@ -120,5 +120,5 @@ def test_after_the_end_nobody_waits(clock: SimulatedClock):
 
     program = Program(clock, work)
     clock.end()
-    program.thread.join(10.0)
+    program.thread.join(120.0)
     assert program.ended

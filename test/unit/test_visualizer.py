@@ -46,7 +46,7 @@ def _assert_at(handle: object, r: Array, T: Array) -> None:
 
 
 def test_page_is_served(visualizer: Visualizer):
-    with urlopen(visualizer.url, timeout=10.0) as page:  # noqa: S310  # our own address
+    with urlopen(visualizer.url, timeout=240.0) as page:  # noqa: S310  # our own address
         assert page.status == 200
         assert b'<html' in page.read()
 
