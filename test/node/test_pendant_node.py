@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import Log
+from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 
 from robots_controller.control.stops.faults import Fault
@@ -215,6 +216,15 @@ def test_a_motion_to_a_target_ends_when_its_button_is_released(cell: OperatedCel
     assert abs(cell.references[-1].positions[0] - goal[0]) > 0.1
     cell.wait(lambda: cell.state.commander is Commander.NOBODY, 'its end')
     cell.hold('axes 0 -', lambda: any(cell.references[-1].velocities), 'a jog')
+
+
+def test_previews_keep_the_distance_that_the_planner_keeps_now(cell: OperatedCell) -> None:
+    cell.until_standing()
+    cell.operator.preview(ME, 'joints', [*cell.references[-1].positions], 0.1)
+    for margin in (0.02, 0.005):
+        (result,) = cell.planner.set_parameters([Parameter('collision_margin', value=margin)])
+        assert result.successful, result.reason
+        cell.wait(lambda: cell.node._preview.collision_margin == margin, f'{margin} m')  # noqa: B023
 
 
 def test_jogging_is_refused_where_the_mode_excludes_it(cell: OperatedCell) -> None:

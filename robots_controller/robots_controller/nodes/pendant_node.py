@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Lock
 from typing import Any, Final
 
 from rcl_interfaces.msg import Log
@@ -65,6 +66,7 @@ class PendantNode(RobotNode):
         recordings = self.parameter(
             'recordings', 'out', 'folder of the bags that are recorded and reported on'
         )
+        self._changing_scene = Lock()  # the page makes the planner of previews in another thread
         self._collision_scene = Scene()
         self._preview: PathPlanning | None = None
         self._margin = 0.0
@@ -116,19 +118,23 @@ class PendantNode(RobotNode):
     def _make_planning(self) -> PathPlanning:
         collision = CollisionDetection(self.robot)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=self._margin)
-        planning.set_scene(self._collision_scene)
-        self._preview = planning
+        with self._changing_scene:
+            planning.set_scene(self._collision_scene)
+            self._preview = planning
         return planning
 
     def _on_scene(self, scene: Scene) -> None:
-        self._collision_scene = scene
-        if self._preview is not None:
-            self._preview.set_scene(scene)
+        with self._changing_scene:
+            self._collision_scene = scene
+            if self._preview is not None:
+                self._preview.set_scene(scene)
 
     # -- what the nodes report ----------------------------------------------------------------------------
 
     def _on_planner_parameters(self, values: list[Any]) -> None:
         *speeds, self._margin = values
+        if self._preview is not None:
+            self._preview.collision_margin = self._margin
         self.operator.state = replace(self.operator.state, jog_speeds=JogSpeeds(*speeds))
 
     def _on_log(self, message: Log) -> None:

@@ -58,7 +58,7 @@ class StateObserver(Protocol):
 
 
 class CellReader:
-    """Subscribes to the topics of a cell, and asks its nodes for parameters until they answer.
+    """Subscribes to the topics of a cell, and asks its nodes for parameters, again after each change.
 
     Args:
         node: In the cell's namespace.
@@ -80,7 +80,7 @@ class CellReader:
         node.create_timer(ASK_PERIOD, self._ask)
 
     def ask(self, name: str, parameters: Sequence[str], answered: Callable[[list[Any]], None]) -> None:
-        """Ask a node for the values of parameters, until it answers."""
+        """Ask a node for the values of parameters until it answers, and again when they have changed."""
         self._questions[name] = (parameters, answered)
         self._question_clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
         self._open_questions.add(name)
@@ -142,9 +142,7 @@ class CellReader:
             hold=values.get('hold', ''),
         )
         if program.state in (RunState.OPENED, RunState.FAILED) and program != before:
-            self._open_questions.add(PROGRAM)  # another one may be open
-            self._asked.pop(PROGRAM, None)  # the answer to an earlier question may be older
-            self._ask()
+            self._ask_again(PROGRAM)  # another one may be open
         self.show(program=program)
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
@@ -152,11 +150,10 @@ class CellReader:
         self.show(settings=settings, payload=payload_of(settings.payload))
 
     def _on_parameters(self, event: ParameterEvent) -> None:
-        if event.node != f'{self._node.get_namespace().rstrip("/")}/{PROGRAM}':
-            return
-        for parameter in event.changed_parameters:
-            if parameter.name == 'breakpoints':
-                self.show(breakpoints=breakpoints_by_file(parameter.value.string_array_value))
+        name = event.node.removeprefix(f'{self._node.get_namespace().rstrip("/")}/')
+        wanted, _ = self._questions.get(name, ((), None))
+        if any(one.name in wanted for one in (*event.new_parameters, *event.changed_parameters)):
+            self._ask_again(name)
 
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
@@ -222,6 +219,11 @@ class CellReader:
                 request = GetParameters.Request(names=list(self._questions[name][0]))
                 self._asked[name] = self._node.now()
                 client.call_async(request).add_done_callback(partial(self._answered, name))
+
+    def _ask_again(self, name: str) -> None:
+        self._open_questions.add(name)
+        self._asked.pop(name, None)  # the answer to an earlier question may be older
+        self._ask()
 
     def _answered(self, name: str, future: Any) -> None:
         self._asked.pop(name, None)
