@@ -299,6 +299,29 @@ def test_a_saved_program_is_open_and_its_mistakes_are_found(cell: OperatedCell) 
     assert path.read_text() == 'wait(1)\n'
 
 
+def test_a_program_that_cannot_be_opened_is_shown_and_no_other_runs_in_its_place(cell: OperatedCell) -> None:
+    good, broken = cell.folder / 'good.lua', cell.folder / 'broken.lua'
+    good.write_text("print('good')\n")
+    broken.write_text('for\n')
+    cell.until_done(lambda: cell.operator.open_program(ME, str(good)))
+    cell.wait(lambda: cell.state.program.path == str(good), 'the good one')
+    with pytest.raises(NotNowError, match=r'broken\.lua:1: '):
+        cell.operator.open_program(ME, str(broken))
+    cell.wait(lambda: cell.state.program.path == str(broken), 'the broken one')
+    program = cell.state.program
+    assert (program.state, program.points_file) == (RunState.IDLE, str(broken.with_suffix('.points.yaml')))
+    with pytest.raises(NotPermittedError, match='not_startable'):
+        cell.operator.hold(ME, cell.presses + 1, RUN_KEY)
+    cell.presses += 1
+    cell.program.set_parameters([Parameter('program', value=str(good))])  # which alone opens nothing
+    (found,) = cell.operator.save_program(ME, broken.name, 'for\n', 'for i\n')
+    assert (found.file, found.line) == ('broken.lua', 1)
+    assert cell.state.program.path == str(broken)
+    assert not cell.operator.save_program(ME, broken.name, 'for i\n', "print('mended')\n")
+    cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'it is open')
+    assert cell.state.program.path == str(broken)
+
+
 def test_a_service_teaches_a_point(cell: OperatedCell) -> None:
     path = cell.folder / 'taught.lua'
     path.write_text('wait(1)\n')

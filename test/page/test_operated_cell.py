@@ -149,3 +149,8 @@ def test_a_wrong_program_shows_its_line(page: Page, cell: Cell, operator: Pendan
     page.get_by_label('Robot program').click()
     page.get_by_role('option', name='broken.lua', exact=True).click()
     page.locator('.program-panel').get_by_text('broken.lua:2: ').first.wait_for()
+    page.locator('.bar').get_by_text('broken.lua: not open').wait_for()
+    page.locator('.source [data-line="2"]', has_text='for').wait_for()
+    (cell.folder / 'broken.lua').write_text('setDigitalOutput(1, 1)\n')
+    choose(page, operator, 'broken.lua')
+    page.locator('.bar').get_by_text('broken.lua: ready').wait_for()

@@ -149,14 +149,28 @@ def test_program_that_failed_runs_again(tmp_path: Path):
     assert host.run("print('fine')") is None
 
 
-def test_file_that_cannot_be_opened_leaves_the_old_program(tmp_path: Path):
+@pytest.mark.parametrize('name', ['broken.lua', 'missing.lua'])
+def test_after_a_file_that_cannot_be_opened_the_program_before_does_not_run_in_its_place(
+    tmp_path: Path, name: str
+):
     host = LuaHost(tmp_path)
     assert host.run("print('first')") is None
+    host.write('(', 'broken.lua')
     with pytest.raises(ProgramError):
+        host.program.open(tmp_path / name)
+    assert (host.program.run_state, host.program.path) == (RunState.IDLE, None)
+    with pytest.raises(ProgramError, match='no program is open; open one first'):
+        host.program.run()
+
+
+def test_a_program_that_runs_stays_open_whatever_is_opened(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    host.start("waitDigitalInput(1, 1)\nprint('on')")
+    with pytest.raises(ProgramError, match=r'cannot open another program: .* is running; stop it first'):
         host.program.open(host.write('(', 'broken.lua'))
-    host.program.run()
+    host.program.io.set_inputs('digital', [1])
     assert host.program.join(DEADLINE)
-    assert host.printed == ['first', 'first']
+    assert host.printed == ['on']
 
 
 def test_paused_program_holds_before_its_next_call(tmp_path: Path):

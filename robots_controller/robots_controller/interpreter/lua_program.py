@@ -22,7 +22,7 @@ from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.motions.motion_command import OutputChange
 from robots_controller.program.motions.motion_target import RobotView
 from robots_controller.program.program_state import ProgramState, RunState
-from robots_core.errors import InvalidInputError, ProgramError
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.orientation import check_convention
 
 LONGEST_END: Final = 5.0  # s
@@ -98,15 +98,25 @@ class LuaProgram(ProgramState):
         """Open a program; it replaces the one before and is checked, not run.
 
         Raises:
-            ProgramError: a program runs, the file cannot be read, or it is not Lua; the one before stays.
+            ProgramError: a program runs; or the file cannot be read, or is not Lua: none is open then, so
+                that nobody runs the one before in its place.
         """
-        source = read_source(path)
-        check_syntax(source, lambda text: syntax_error(source, text))
+        with self.condition:
+            self._refuse_while_running('open another program')
+        try:
+            source = read_source(path)
+            check_syntax(source, lambda text: syntax_error(source, text))
+        except RobotsError:
+            self._replace(None)
+            raise
+        self._replace(source)
+
+    def _replace(self, source: LuaSource | None) -> None:
         with self.condition:
             self._refuse_while_running('open another program')
             self._source, self._line_source = source, None
             self.line, self.error = 0, None
-            self.set_run_state(RunState.OPENED)
+            self.set_run_state(RunState.OPENED if source else RunState.IDLE)
 
     def close(self) -> None:
         """Close the program; none is open then.
@@ -116,9 +126,7 @@ class LuaProgram(ProgramState):
         """
         with self.condition:
             self._source_at_rest('close')
-            self._source = self._line_source = None
-            self.line, self.error = 0, None
-            self.set_run_state(RunState.IDLE)
+            self._replace(None)
 
     def run(self, *, hold: bool = False) -> None:
         """Run the opened program from its start, in a parallel thread.

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
 JOIN_TIMEOUT: Final = 5.0  # s
 DEBUG_PORTS: Final = (-1, PORTS[1])
 WATCH_PERIOD: Final = 0.1  # s
+FILES: Final = ('program', 'points_file', 'frames_file')
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 
 
@@ -126,6 +127,8 @@ class LuaProgramNode(RobotNode):
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
         self.parameter('frames_file', '', "where tools and bases stand; '' for frames.yaml beside it")
         self._take_over()
+        if not any(self.host.files):
+            self.host.files = self._files
         self.parameter(
             'breakpoints',
             [''],
@@ -160,6 +163,7 @@ class LuaProgramNode(RobotNode):
             'step': lambda: host.step(self.get_parameter('step_mode').value),
             'stop': host.stop,
             'teach': lambda: teaching.teach(self.get_parameter('point').value, self._feedback.present()),
+            'get_program': self._get_program,
             'get_call_stack': self._get_call_stack,
             'reset': host.reset,
             'get_command_state': lambda: self._program.command_state.value,
@@ -224,8 +228,12 @@ class LuaProgramNode(RobotNode):
         return self.host.open(*self._files)
 
     @property
-    def _files(self) -> tuple[str, ...]:
-        return tuple(self.get_parameter(name).value for name in ('program', 'points_file', 'frames_file'))
+    def _files(self) -> tuple[str, str, str]:
+        program, points, frames = (self.get_parameter(name).value for name in FILES)
+        return program, points, frames
+
+    def _get_program(self) -> str:
+        return json.dumps(dict(zip(FILES, self.host.files, strict=True)))
 
     def _get_call_stack(self) -> str:
         stack = self._program.call_stack

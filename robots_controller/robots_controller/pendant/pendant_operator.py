@@ -31,7 +31,7 @@ from robots_controller.pendant.trends import Trends
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import OperatingMode
-from robots_core.errors import InvalidInputError, ProgramError
+from robots_core.errors import InvalidInputError, NotNowError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, one_of
@@ -250,14 +250,14 @@ class PendantOperator:
         program, q = Path(self.state.program.path), standing(self._port, self.state)
         found = program_file(program, file)
         new = self.teaching.insert(self._points_file, found, line, motion=motion, names=names, q=q)
-        self._port.open_program(str(program))
+        self._reopen()
         return new
 
     def undo(self, viewer: str) -> None:
         """Take the newest change of a program or a points file back, and open the program again."""
         self._check(viewer, Action.EDIT)
         self.teaching.history.undo()
-        self._port.open_program(self.state.program.path)
+        self._reopen()
 
     def save_program(self, viewer: str, file: str, before: str, after: str) -> tuple[ProgramProblem, ...]:
         """Save a program that was edited, open it again, and check it.
@@ -279,8 +279,7 @@ class PendantOperator:
         save_program(self.teaching.history, program_file(program, file), before, after)
         frames_file = self.state.program.frames_file
         problems = findings(program, self.robot.axes_data, self.state.io, frames_file)
-        with suppress(ProgramError):  # which is one of the problems
-            self._port.open_program(str(program))
+        self._reopen()
         return problems
 
     def toggle_breakpoint(self, viewer: str, file: str, line: int) -> None:
@@ -323,6 +322,11 @@ class PendantOperator:
         if q_dot is not None and (np.abs(q_dot) > STANDING * self.robot.axes_data.velocity).any():
             raise NotPermittedError(Reason('moving'))
         return q
+
+    def _reopen(self) -> None:
+        """Open the program again, which has changed; what is wrong with it is shown with it."""
+        with suppress(NotNowError):
+            self._port.open_program(self.state.program.path)
 
     @property
     def _points_file(self) -> Path:

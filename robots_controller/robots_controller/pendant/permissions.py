@@ -115,6 +115,12 @@ def _not_running(state: PendantState) -> str:
     return 'running' if state.program.state is RunState.RUNNING else ''
 
 
+def _editable(state: PendantState) -> str:
+    if state.program.state is RunState.IDLE:  # as one that could not be opened
+        return '' if state.program.path else 'no_program'
+    return '' if state.program.state in STARTABLE else 'not_ended'
+
+
 def _pausable(state: PendantState) -> str:
     return '' if state.program.state is RunState.RUNNING or state.program.waits_for_run else 'not_running'
 
@@ -126,7 +132,7 @@ RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
     Action.JOG: (_missing, _stopped, _commander(Commander.PENDANT)),
     Action.MOVE: (_missing, _stopped, _commander(Commander.PENDANT), _steps),
     Action.TEACH: (_missing, _not_running),
-    Action.EDIT: (_missing, _program(*STARTABLE, otherwise='not_ended')),
+    Action.EDIT: (_missing, _editable),
     Action.OPEN: (_missing, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
     Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _held),
     Action.HOLD_RUN: (

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rcl_interfaces.msg import ParameterEvent, ParameterValue
+from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import Trigger
 
 from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
@@ -58,7 +60,7 @@ class StateObserver(Protocol):
 
 
 class CellReader:
-    """Subscribes to the topics of a cell, and asks its nodes for parameters, again after each change.
+    """Subscribes to the topics of a cell, and asks its nodes for what has changed.
 
     Args:
         node: In the cell's namespace.
@@ -68,22 +70,27 @@ class CellReader:
     def __init__(self, node: RobotNode, observer: StateObserver) -> None:
         self._node, self._observer = node, observer
         self._seen: set[str] = set()
-        self._asked: dict[str, float] = {}  # when, s
         self._joints_time = 0.0
-        self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {}
-        self._question_clients: dict[str, Any] = {}
-        self._open_questions: set[str] = set()
+        self._questions: list[_Question] = []
+        self._program = self._put(Trigger, f'{PROGRAM}/get_program', Trigger.Request(), self._on_files)
         self._subscribe()
         self._watch = HeartbeatWatch(node, (*WATCHED, PLC), LOST_AFTER, lambda *_: self._check_lost())
-        asked = ('program', 'points_file', 'frames_file', 'breakpoints', *LABELS.values())
-        self.ask(PROGRAM, asked, self._on_program_parameters)
+        self.ask(PROGRAM, ('breakpoints', *LABELS.values()), self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
 
     def ask(self, name: str, parameters: Sequence[str], answered: Callable[[list[Any]], None]) -> None:
         """Ask a node for the values of parameters until it answers, and again when they have changed."""
-        self._questions[name] = (parameters, answered)
-        self._question_clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
-        self._open_questions.add(name)
+
+        def read(answer: Any) -> None:
+            answered([parameter_value_to_python(value) for value in answer.values])
+
+        request = GetParameters.Request(names=list(parameters))
+        self._put(GetParameters, f'{name}/get_parameters', request, read)
+
+    def _put(self, kind: Any, service: str, request: Any, answered: Callable[[Any], None]) -> _Question:
+        question = _Question(service, self._node.create_client(kind, service), request, answered)
+        self._questions.append(question)
+        return question
 
     def show(self, **changes: Any) -> None:
         """Change the state."""
@@ -141,8 +148,8 @@ class CellReader:
             error=values.get('error', ''),
             hold=values.get('hold', ''),
         )
-        if program.state in (RunState.OPENED, RunState.FAILED) and program != before:
-            self._ask_again(PROGRAM)  # another one may be open
+        if program.state in (RunState.IDLE, RunState.OPENED, RunState.FAILED) and program != before:
+            self._ask_again(self._program)  # another one may be open
         self.show(program=program)
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
@@ -151,9 +158,10 @@ class CellReader:
 
     def _on_parameters(self, event: ParameterEvent) -> None:
         name = event.node.removeprefix(f'{self._node.get_namespace().rstrip("/")}/')
-        wanted, _ = self._questions.get(name, ((), None))
-        if any(one.name in wanted for one in (*event.new_parameters, *event.changed_parameters)):
-            self._ask_again(name)
+        changed = {one.name for one in (*event.new_parameters, *event.changed_parameters)}
+        for one in self._questions:
+            if one.service == f'{name}/get_parameters' and not changed.isdisjoint(one.request.names):
+                self._ask_again(one)
 
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
@@ -210,38 +218,50 @@ class CellReader:
     # -- what they are asked ------------------------------------------------------------------------------
 
     def _ask(self) -> None:
-        """Ask nodes for parameters, until they answer."""
-        for name in [*self._open_questions]:
-            client = self._question_clients[name]
+        """Ask what has not been answered yet."""
+        for question in self._questions:
             # A node may die with the question.
-            waiting = self._node.now() - self._asked.get(name, -math.inf) < ANSWER_TIME
-            if not waiting and client.service_is_ready():
-                request = GetParameters.Request(names=list(self._questions[name][0]))
-                self._asked[name] = self._node.now()
-                client.call_async(request).add_done_callback(partial(self._answered, name))
+            waiting = self._node.now() - question.asked < ANSWER_TIME
+            if question.open and not waiting and question.client.service_is_ready():
+                question.asked = self._node.now()
+                future = question.client.call_async(question.request)
+                future.add_done_callback(partial(self._answered, question))
 
-    def _ask_again(self, name: str) -> None:
-        self._open_questions.add(name)
-        self._asked.pop(name, None)  # the answer to an earlier question may be older
+    def _ask_again(self, question: _Question) -> None:
+        # The answer to an earlier question may be older.
+        question.open, question.asked = True, -math.inf
         self._ask()
 
-    def _answered(self, name: str, future: Any) -> None:
-        self._asked.pop(name, None)
-        self._open_questions.discard(name)
-        values: list[ParameterValue] = future.result().values
-        self._questions[name][1]([parameter_value_to_python(value) for value in values])
+    def _answered(self, question: _Question, future: Any) -> None:
+        question.open, question.asked = False, -math.inf
+        question.answered(future.result())
+
+    def _on_files(self, answer: Trigger.Response) -> None:
+        files = json.loads(answer.message)
+        path, program = files['program'], self._observer.state.program
+        points_file = files['points_file'] or (str(Path(path).with_suffix(SUFFIX)) if path else '')
+        frames_file = files['frames_file'] or (str(Path(path).with_name(FRAMES_FILE)) if path else '')
+        self.show(program=replace(program, path=path, points_file=points_file, frames_file=frames_file))
 
     def _on_program_parameters(self, values: list[Any]) -> None:
-        path, points_file, frames_file, breakpoints, *labels = values
-        points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
-        frames_file = frames_file or (str(Path(path).with_name(FRAMES_FILE)) if path else '')
-        state = self._observer.state
+        breakpoints, *labels = values
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
         self.show(
-            program=replace(state.program, path=path or '', points_file=points_file, frames_file=frames_file),
-            io=replace(state.io, labels=named),
+            io=replace(self._observer.state.io, labels=named),
             breakpoints=breakpoints_by_file(breakpoints or ()),
         )
+
+
+@dataclass(eq=False)
+class _Question:
+    """What a node is asked, until it answers."""
+
+    service: str
+    client: Any
+    request: Any
+    answered: Callable[[Any], None]
+    open: bool = True
+    asked: float = -math.inf  # when, s
 
 
 def _run_state(text: str) -> RunState:

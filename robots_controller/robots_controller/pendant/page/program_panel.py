@@ -24,6 +24,7 @@ from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Vie
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
+from robots_controller.program.run_state import RunState
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import RobotsError
@@ -52,7 +53,7 @@ class ProgramPanel:
 
     def __init__(self, viewer: Viewer, folder: Path) -> None:
         self._viewer, self._folder, text = viewer, folder, viewer.texts
-        self._shown: tuple[str, str, float] | None = None  # path, file and when that was written
+        self._shown: tuple[str, str, float, bool] | None = None  # path, file, when it was written, open
         self._cursor = 0  # the line after which motions are inserted
         self._marks = ''
         self._printed = -1
@@ -109,8 +110,9 @@ class ProgramPanel:
     async def _open(self, name: str | None) -> None:
         viewer = self._viewer
         path = str(self._folder / name) if name else ''
-        before = viewer.operator.state.program.path
-        if not path or path == before:
+        program = viewer.operator.state.program
+        before = program.path
+        if not path or (path == before and program.state is not RunState.IDLE):
             return
         if not await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path)):
             self._show_choice(before)  # so that the same one can be chosen again
@@ -163,7 +165,8 @@ class ProgramPanel:
     def _show_source(self, state: PendantState) -> None:
         program = state.program
         file = program.file or Path(program.path).name
-        shown = program.path, file, _written(Path(program.path), file)
+        open_ = program.state is not RunState.IDLE
+        shown = program.path, file, _written(Path(program.path), file), open_
         if shown == self._shown:
             return
         if self._shown is None or shown[:2] != self._shown[:2]:
@@ -176,7 +179,7 @@ class ProgramPanel:
         if not program.path:
             self._source.set_content(_note(text('program.none', folder=self._folder)))
             return
-        self._show_choice(program.path)
+        self._show_choice(program.path if open_ else '')  # so that the same one can be chosen again
         try:
             self._source.set_content(_lines(read_program(program.path, file)))
             self._cursor = self._cursor or self._source.content.count('data-line=')

@@ -12,6 +12,7 @@ from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
+from robots_controller.program.run_state import RunState
 from robots_core.cell_interface.operating_modes import OperatingMode
 
 STEP: Final = 5  # %, of the buttons beside the override
@@ -181,7 +182,9 @@ class TopBar:
         program = state.program
         name = program.path.rpartition('/')[2]
         where = f', {text("bar.line", line=program.line)}' if program.line else ''
-        self._program.set_text(f'{name}{": " if name else ""}{text(f"states.{program.state}")}{where}')
+        open_ = program.state is not RunState.IDLE or not name
+        doing = text(f'states.{program.state}' if open_ else 'bar.not_open')
+        self._program.set_text(f'{name}{": " if name else ""}{doing}{where}')
         self._program_icon.set_name(STATE_ICONS[program.state])
         self._speed.set_text(f'{1e3 * state.tool_speed:.0f} mm/s')
         self._show_override(state)
