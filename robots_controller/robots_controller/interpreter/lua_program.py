@@ -240,6 +240,12 @@ class LuaProgram(ProgramState):
         return source.path if source else None
 
     @property
+    def written(self) -> int:
+        """When the text that was opened was written, ns since 1970; 0 for none."""
+        source = self._source
+        return source.written if source else 0
+
+    @property
     def file(self) -> str:
         """The opened program's file name, '' for none."""
         source = self._source

@@ -35,11 +35,13 @@ class LuaSource:
         path: Where it was read.
         text: Its characters.
         label: Name of a subprogram as it is called; '' for the file's.
+        written: When the file was written, ns since 1970; 0 where that is not known.
     """
 
     path: Path
     text: str
     label: str = ''
+    written: int = 0
 
     @property
     def file(self) -> str:
@@ -71,6 +73,7 @@ def read_source(path: Path | str) -> LuaSource:
     """
     file = Path(path)
     name = file.name or str(file)
+    written = file.stat().st_mtime_ns if file.is_file() else 0
     try:
         data = read_bytes(file, 'program', largest=MAX_PROGRAM_SIZE)
     except InvalidInputError as error:
@@ -92,7 +95,7 @@ def read_source(path: Path | str) -> LuaSource:
         raise ProgramError('null character; a program is Lua text', file=name, line=line)
     if text.startswith('#'):  # Lua skips a first line that names the interpreter
         text = '--' + text
-    return LuaSource(file, text)
+    return LuaSource(file, text, written=written)
 
 
 def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:

@@ -233,7 +233,7 @@ class LuaProgramNode(RobotNode):
         return program, points, frames
 
     def _get_program(self) -> str:
-        return json.dumps(dict(zip(FILES, self.host.files, strict=True)))
+        return json.dumps(dict(zip(FILES, self.host.files, strict=True)) | {'written': self._program.written})
 
     def _get_call_stack(self) -> str:
         stack = self._program.call_stack

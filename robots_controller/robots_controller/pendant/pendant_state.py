@@ -28,7 +28,7 @@ class ShownProgram:
     """The robot program.
 
     Attributes:
-        path: Of the file that is open; '' for none.
+        path: Of the file that is open, or, without a state of a run, could not be opened; '' for none.
         state: What it does.
         file: Name of the file that `line` belongs to.
         line: Line of the last call of a robot function, counted from 1; 0 for none.
@@ -38,6 +38,7 @@ class ShownProgram:
         hold: Why it is held; '' if it is not.
         points_file: Where its taught points stand; '' without a program.
         frames_file: Where its tools and bases stand; '' without a program.
+        written: When the text that was opened was written, ns since 1970; 0 where that is not known.
     """
 
     path: str = ''
@@ -50,6 +51,7 @@ class ShownProgram:
     hold: str = ''
     points_file: str = ''
     frames_file: str = ''
+    written: int = 0
 
     @property
     def waits_for_run(self) -> bool:

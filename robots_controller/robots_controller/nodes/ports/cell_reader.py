@@ -140,6 +140,7 @@ class CellReader:
             path=before.path,
             points_file=before.points_file,
             frames_file=before.frames_file,
+            written=before.written,
             state=_run_state(values.get('state', '')),
             file=values.get('file', ''),
             line=int(number_in(values, 'line', 0.0)),
@@ -148,8 +149,8 @@ class CellReader:
             error=values.get('error', ''),
             hold=values.get('hold', ''),
         )
-        if program.state in (RunState.IDLE, RunState.OPENED, RunState.FAILED) and program != before:
-            self._ask_again(self._program)  # another one may be open
+        if program.state in (RunState.IDLE, RunState.OPENED, RunState.FAILED):
+            self._ask_again(self._program)  # another one may be open, or another text of it
         self.show(program=program)
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
@@ -241,7 +242,8 @@ class CellReader:
         path, program = files['program'], self._observer.state.program
         points_file = files['points_file'] or (str(Path(path).with_suffix(SUFFIX)) if path else '')
         frames_file = files['frames_file'] or (str(Path(path).with_name(FRAMES_FILE)) if path else '')
-        self.show(program=replace(program, path=path, points_file=points_file, frames_file=frames_file))
+        found = {'points_file': points_file, 'frames_file': frames_file, 'written': files['written']}
+        self.show(program=replace(program, path=path, **found))
 
     def _on_program_parameters(self, values: list[Any]) -> None:
         breakpoints, *labels = values

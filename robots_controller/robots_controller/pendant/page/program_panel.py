@@ -53,7 +53,7 @@ class ProgramPanel:
 
     def __init__(self, viewer: Viewer, folder: Path) -> None:
         self._viewer, self._folder, text = viewer, folder, viewer.texts
-        self._shown: tuple[str, str, float, bool] | None = None  # path, file, when it was written, open
+        self._shown: tuple[str, str, int, bool] | None = None  # path, file, when it was written, open
         self._cursor = 0  # the line after which motions are inserted
         self._marks = ''
         self._printed = -1
@@ -88,6 +88,11 @@ class ProgramPanel:
                     _step_button(step, text(f'step.{step}'))
             self.line = RefusalLine()
             self._error = ui.label().classes('refusal')
+            with ui.element('div').classes('row-of-buttons changed') as self._changed:
+                self._change = ui.label().classes('hint warned')
+                self._again = ActionButton(
+                    viewer, Action.OPEN, text('program.open_again'), 'refresh', self._open_again
+                )
             self._source = ui.html('', sanitize=False).classes('source').props('id=source')
             self._editor = ProgramEditor(viewer, self.line, self._end_edit)
             ui.on('pendant_cursor', lambda event: self._put_cursor(int(event.args)))
@@ -117,6 +122,11 @@ class ProgramPanel:
         if not await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path)):
             self._show_choice(before)  # so that the same one can be chosen again
 
+    async def _open_again(self) -> None:
+        viewer = self._viewer
+        path = viewer.operator.state.program.path
+        await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path))
+
     async def _act(self, action: Action) -> None:
         viewer = self._viewer
         await viewer.do(self.line, lambda: viewer.operator.act(viewer.id, action))
@@ -137,6 +147,7 @@ class ProgramPanel:
         self._error.set_text(program.error)
         self._error.set_visibility(bool(program.error))
         self._show_source(state)
+        self._show_change(state)
         self._teach.refresh(state)
         self._edit.refresh()
         self._editor.refresh()
@@ -185,6 +196,14 @@ class ProgramPanel:
             self._cursor = self._cursor or self._source.content.count('data-line=')
         except RobotsError:
             self._source.set_content(_note(text('program.unreadable', file=file)))
+
+    def _show_change(self, state: PendantState) -> None:
+        """Say that what runs is not what is shown."""
+        program = state.program
+        file = Path(program.path).name
+        self._changed.set_visibility(program.written not in (0, _written(Path(program.path), file)))
+        self._change.set_text(self._viewer.texts('program.changed', file=file))
+        self._again.refresh()
 
     def _show_choice(self, path: str) -> None:
         name = str(Path(path).relative_to(self._folder)) if self._is_listed(path) else ''
@@ -246,10 +265,10 @@ def _step_button(step: str, title: str) -> None:
         ui.label(title)
 
 
-def _written(program: Path, file: str) -> float:
-    """When a file was written; 0 for none."""
+def _written(program: Path, file: str) -> int:
+    """When a file was written, ns since 1970; 0 for none."""
     path = program_file(program, file)
-    return path.stat().st_mtime if path.is_file() else 0.0
+    return path.stat().st_mtime_ns if path.is_file() else 0
 
 
 def _note(text: str) -> str:
