@@ -70,7 +70,8 @@ class TrendPanel:
     async def _toggle_record(self) -> None:
         viewer = self._viewer
         recording = viewer.operator.recording
-        await viewer.do(self.line, recording.end if recording.bag else recording.begin)
+        # By what the button says: another page may have begun or ended a bag just now.
+        await viewer.do(self.line, recording.end if self._recording else recording.begin)
 
     def refresh(self, _state: PendantState) -> None:
         """Draw the signals, once a second."""
