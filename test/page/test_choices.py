@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
@@ -16,8 +17,9 @@ from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core import load_robot_model
 from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.validation import Array
 
-from .browser_page import open_page, take_control, wait
+from .browser_page import open_page, press, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, served
 
 PROGRAMS = '.program-panel .q-select input'
@@ -68,6 +70,38 @@ def test_the_entry_that_was_shown_is_chosen_however_the_list_has_changed(
         choose(page, PROGRAMS, 0, 'a.lua')
         wait(page, lambda: len(cell.calls) > 1, 'another program')
         assert cell.calls[1:] == [('open', str(tmp_path / 'a.lua'))]
+        page.context.close()
+
+
+def test_a_robot_is_jogged_along_a_taught_point_as_it_is_now(running: Browser, tmp_path: Path) -> None:
+    operator, cell = made_up_operator()
+    points = tmp_path / 'a.points.yaml'
+    program = ShownProgram(str(tmp_path / 'a.lua'), RunState.OPENED, 'a.lua', points_file=str(points))
+    operator.state = replace(operator.state, program=program)
+
+    def teach(*degrees: float) -> Array:
+        q = np.radians(degrees)
+        operator.teaching.teach(points, 'P1', q)
+        _, T = operator.robot.direct_kinematics(q)
+        return T[:, 0]
+
+    places = [(0.0, -90.0, 90.0, 0.0, 60.0, 0.0), (30.0, -80.0, 80.0, 40.0, 60.0, 0.0)]
+    teach(*places[0])
+    with served(operator, tmp_path) as url:
+        page = open_page(running, url)
+        take_control(page)
+        page.get_by_role('button', name='Frame').click()
+        page.get_by_label('Axes along').click()
+        page.get_by_role('option', name='P1', exact=True).click()
+        for place in places:
+            direction = teach(*place)
+            cell.calls.clear()
+            press(page, '[data-press="taught 0 +"]')
+            wait(page, cell.moving, 'a jog')
+            page.mouse.up()
+            wait(page, lambda: not cell.moving(), 'a stop')
+            twist = np.array(cell.calls[0][1:4])
+            np.testing.assert_allclose(twist / np.linalg.norm(twist), direction, atol=1e-9)
         page.context.close()
 
 

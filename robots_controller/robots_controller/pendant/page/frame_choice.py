@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import Viewer
@@ -12,7 +13,7 @@ from robots_planning.motion_settings import frame
 
 
 class FrameChoice:
-    """The base of the program, or one of its taught points; they are read when the list is opened.
+    """The base of the program, or one of its taught points, as its points file has them now.
 
     Args:
         viewer: Its page.
@@ -22,6 +23,7 @@ class FrameChoice:
     def __init__(self, viewer: Viewer, refused: Callable[[str], None]) -> None:
         self._viewer, self._refused = viewer, refused
         self._poses: dict[str, Pose] = {}
+        self._known: object = None
         self._base = viewer.texts('jog.program_base')
         self.element = (
             Choice({'': self._base}, value='')
@@ -33,13 +35,22 @@ class FrameChoice:
     @property
     def pose(self) -> Pose:
         """The frame that is chosen, in the robot's base."""
+        if self.element.value and self._known != self._state():
+            self.element.show(self._read())
         base = frame(self._viewer.operator.state.settings.base, 'base')
         return self._poses.get(str(self.element.value), base) if self.element.value else base
 
+    def _state(self) -> object:
+        """Another one after each change of the points."""
+        file = self._viewer.operator.state.program.points_file
+        return file, Path(file).stat().st_mtime_ns if Path(file).is_file() else 0
+
     def _read(self) -> dict[str, str]:
         self._refused('')
+        self._known = self._state()
         try:
             self._poses = self._viewer.operator.jog_frames()
         except RobotsError as error:
             self._refused(self._viewer.texts.error(error))
+            self._poses = {}
         return {'': self._base, **{name: name for name in self._poses if name}}

@@ -11,6 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from fastapi import Request
 from nicegui import ui
 from nicegui.events import GenericEventArguments
@@ -31,6 +32,7 @@ from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_core.errors import RobotsError
+from robots_core.validation import Array
 
 PAGE_LANGUAGES: Final[Mapping[str, Language]] = {'en': 'en-US', 'de': 'de'}
 """Of what the browser and NiceGUI themselves say."""
@@ -66,6 +68,7 @@ class PendantPage:
         client.page.language = PAGE_LANGUAGES[language]
         self._operator = operator
         self._number = 0  # of the newest press
+        self._taught: Array = np.eye(3)  # orientation of the taught frame at its begin
         address = request.client.host if request.client else ''
         self._viewer = viewer = Viewer(client.id, operator, read_texts(language), self.refresh, address)
         theme = request.cookies.get(THEME_COOKIE)
@@ -131,10 +134,11 @@ class PendantPage:
         if number != self._number:
             self._number = number
             line.show('')
+            self._taught = self._jog.taught
         try:
             jog = self._jog
             action = self._operator.hold(
-                self._viewer.id, number, key, jog.speed, jog.step(key), taught=jog.taught
+                self._viewer.id, number, key, jog.speed, jog.step(key), taught=self._taught
             )
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
