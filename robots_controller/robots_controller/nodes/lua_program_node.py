@@ -233,7 +233,11 @@ class LuaProgramNode(RobotNode):
         return program, points, frames
 
     def _get_program(self) -> str:
-        return json.dumps(dict(zip(FILES, self.host.files, strict=True)) | {'written': self._program.written})
+        program = self._program
+        files = self.host.files
+        if program.path is not None:  # an editor may have opened it
+            files = str(program.path), str(program.points_file or ''), str(program.frames_file or '')
+        return json.dumps(dict(zip(FILES, files, strict=True)) | {'written': program.written})
 
     def _get_call_stack(self) -> str:
         stack = self._program.call_stack
