@@ -65,7 +65,7 @@ class MessageLog:
             self.version += 1
 
     def acknowledge(self, messages: Iterable[LoggedMessage]) -> None:
-        """Acknowledge messages that `shown` has returned, but those that have come again since."""
+        """Acknowledge messages that `shown` has returned, except those that have come again since."""
         with self._lock:
             for message in messages:
                 key = message.node, message.text, message.level

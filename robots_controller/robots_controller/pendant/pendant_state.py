@@ -28,7 +28,7 @@ class ShownProgram:
     """The robot program.
 
     Attributes:
-        path: Of the file that is open, or, without a state of a run, could not be opened; '' for none.
+        path: Of the file that is open, or, in the state IDLE, of one that could not be opened; '' for none.
         state: What it does.
         file: Name of the file that `line` belongs to.
         line: Line of the last call of a robot function, counted from 1; 0 for none.

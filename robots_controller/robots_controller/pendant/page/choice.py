@@ -38,7 +38,10 @@ class Choice(ui.select):
         return self
 
     def show(self, options: list[str] | dict[str, str]) -> None:
-        """Show other entries; what was chosen stays if it is among them, else '' is chosen if it is."""
+        """Show other entries.
+
+        What was chosen stays if it is among them; otherwise the entry '' is chosen, if there is one.
+        """
         if options != self.options:  # a list that is sent again may lose a click on it
             kept = self.value if self.value in options else ''
             self.set_options(options, value=kept if kept in options else None)
