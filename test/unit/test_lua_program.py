@@ -149,7 +149,7 @@ def test_program_that_failed_runs_again(tmp_path: Path):
     assert host.run("print('fine')") is None
 
 
-@pytest.mark.parametrize('name', ['broken.lua', 'missing.lua'])
+@pytest.mark.parametrize('name', ['broken.lua', 'missing.lua', f'{300 * "long"}.lua', 'null\0.lua'])
 def test_after_a_file_that_cannot_be_opened_the_program_before_does_not_run_in_its_place(
     tmp_path: Path, name: str
 ):

@@ -14,6 +14,7 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.study.study_results import ROWS, StudyResults
 from robots_core import UrdfRobotModel
 from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 from robots_core.files.yaml_section import parse_yaml
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.package_places import package_places
@@ -130,6 +131,13 @@ def test_metadata_of_a_bag_are_bounded(tmp_path: Path) -> None:
     make_huge(tmp_path / 'metadata.yaml')
     with pytest.raises(RobotsError, match=MAKE['huge'][1]):
         read_bag(tmp_path)
+
+
+@pytest.mark.parametrize('name', ['', 'missing', 300 * 'long', 'null\0'])
+def test_what_is_no_file_was_never_written(tmp_path: Path, name: str) -> None:
+    assert when_written(tmp_path / name) == 0
+    (tmp_path / 'file').write_text('text')
+    assert when_written(tmp_path / 'file') == (tmp_path / 'file').stat().st_mtime_ns
 
 
 @pytest.mark.parametrize('kind', MAKE)

@@ -10,7 +10,7 @@ from typing import Final
 from robots_controller.interpreter.lua_tokens import lua_tokens
 from robots_controller.interpreter.syntax_remedies import remedy_of
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.files.user_file import read_bytes
+from robots_core.files.user_file import read_bytes, when_written
 
 MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 # Lua shortens longer chunk names in its messages.
@@ -73,7 +73,7 @@ def read_source(path: Path | str) -> LuaSource:
     """
     file = Path(path)
     name = file.name or str(file)
-    written = file.stat().st_mtime_ns if file.is_file() else 0
+    written = when_written(file)
     try:
         data = read_bytes(file, 'program', largest=MAX_PROGRAM_SIZE)
     except InvalidInputError as error:

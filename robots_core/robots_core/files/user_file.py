@@ -34,6 +34,15 @@ def read_bytes(
         raise _unreadable(path, what, problem) from None
 
 
+def when_written(path: Path | str) -> int:
+    """When a file was written, ns since 1970; 0 where there is none of this name, or it cannot be one."""
+    try:
+        found = Path(path).stat()
+    except (OSError, ValueError):  # ValueError: a null character in the path
+        return 0
+    return found.st_mtime_ns if stat.S_ISREG(found.st_mode) else 0
+
+
 def check_file(path: Path | str, what: str, *, largest: float) -> None:
     """Refuse what cannot be read whole, before a library opens it.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.viewer import Viewer
 from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 from robots_core.pose import Pose
 from robots_planning.motion_settings import frame
 
@@ -43,7 +43,7 @@ class FrameChoice:
     def _state(self) -> object:
         """Another one after each change of the points."""
         file = self._viewer.operator.state.program.points_file
-        return file, Path(file).stat().st_mtime_ns if Path(file).is_file() else 0
+        return file, when_written(file)
 
     def _read(self) -> dict[str, str]:
         self._refused('')

@@ -28,6 +28,7 @@ from robots_controller.program.run_state import RunState
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 
 SHOWN_PRINTS: Final = 100
 BUTTONS: Final = (
@@ -177,7 +178,7 @@ class ProgramPanel:
         program = state.program
         file = program.file or Path(program.path).name
         open_ = program.state is not RunState.IDLE
-        shown = program.path, file, _written(Path(program.path), file), open_
+        shown = program.path, file, when_written(program_file(Path(program.path), file)), open_
         if shown == self._shown:
             return
         if self._shown is None or shown[:2] != self._shown[:2]:
@@ -201,7 +202,7 @@ class ProgramPanel:
         """Say that what runs is not what is shown."""
         program = state.program
         file = Path(program.path).name
-        self._changed.set_visibility(program.written not in (0, _written(Path(program.path), file)))
+        self._changed.set_visibility(program.written not in (0, when_written(program.path)))
         self._change.set_text(self._viewer.texts('program.changed', file=file))
         self._again.refresh()
 
@@ -263,12 +264,6 @@ def _step_button(step: str, title: str) -> None:
     with ui.element('button').classes('hold step').props(f'type=button data-press="{key}"'):
         ui.icon(STEPS[step])
         ui.label(title)
-
-
-def _written(program: Path, file: str) -> int:
-    """When a file was written, ns since 1970; 0 for none."""
-    path = program_file(program, file)
-    return path.stat().st_mtime_ns if path.is_file() else 0
 
 
 def _note(text: str) -> str:

@@ -15,6 +15,7 @@ from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.teaching import MOTIONS, Motion, free_name
 from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 
 ICONS: Final = {'ptp': 'timeline', 'line': 'trending_flat', 'arc': 'roundabout_right'}
 
@@ -38,7 +39,7 @@ class TeachRow:
     ) -> None:
         self._viewer, self._line, self._cursor, self._inserted = viewer, line, cursor, inserted
         self._via = ''  # the point that an arc passes
-        self._read: tuple[str, float] | None = None
+        self._read: tuple[str, int] | None = None
         text = viewer.texts
         with ui.element('div').classes('row-of-buttons teach'):
             self._name = (
@@ -117,8 +118,7 @@ class TeachRow:
         """Show a state."""
         for button in self._buttons:
             button.refresh()
-        path = Path(state.program.points_file)
-        read = state.program.points_file, path.stat().st_mtime if path.is_file() else 0.0
+        read = state.program.points_file, when_written(state.program.points_file)
         if read != self._read:
             self._read = read
             self._show_points(str(self._name.value or ''))

@@ -11,6 +11,7 @@ from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Vie
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.files.cell_frames import FrameKind
 from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 
 
 class SavedFrame:
@@ -85,7 +86,7 @@ def file_names(
 
     What is wrong with the file is shown.
     """
-    state = str(file), file.stat().st_mtime_ns if file.is_file() else 0
+    state = str(file), when_written(file)
     if state == read:
         return None
     try:
