@@ -90,9 +90,9 @@ class ProgramHost:
         )
         for name in fail_safe:
             self.program.io.find(name)
-        self.files: tuple[str, str, str] = ('', '', '')
-        """The program that is open, or could not be opened, its points file and its frames file, as `open`
-        was given them; '' without a program."""
+        self.unopened: tuple[str, str, str] = ('', '', '')
+        """Where no program is open: the one that could not be opened, its points file and its frames file, as
+        `open` was given them; '' without one."""
         self._fail_safe = fail_safe
         self._unsafe = False  # the program was interrupted, and its outputs are as it left them
         self.reporter = ProgramReporter(self.program, clock, observer.status)
@@ -125,18 +125,16 @@ class ProgramHost:
         Raises:
             ProgramError: see `LuaProgram.open`.
         """
-        files = str(path), str(points_file), str(frames_file)
         try:
             if not path:
                 raise ProgramError("parameter 'program' is empty; set it to the path of a Lua program")
             self.program.open(path)
         except RobotsError as error:
             if path and self.program.path is None:
-                self.files = files
+                self.unopened = str(path), str(points_file), str(frames_file)
             self.reporter.open_error = str(error)
             self.reporter.report()
             raise
-        self.files = files
         self.program.points_file = Path(points_file) if points_file else None
         self.program.frames_file = Path(frames_file) if frames_file else None
         self._report_well()
@@ -227,7 +225,7 @@ class ProgramHost:
         """
         closed = self.program.file
         self.program.close()
-        self.files = '', '', ''
+        self.unopened = '', '', ''
         self._report_well()
         return f'{closed} is closed'
 

@@ -126,9 +126,8 @@ class LuaProgramNode(RobotNode):
         self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
         self.parameter('frames_file', '', "where tools and bases stand; '' for frames.yaml beside it")
+        self.host.unopened = self._files
         self._take_over()
-        if not any(self.host.files):
-            self.host.files = self._files
         self.parameter(
             'breakpoints',
             [''],
@@ -234,8 +233,8 @@ class LuaProgramNode(RobotNode):
 
     def _get_program(self) -> str:
         program = self._program
-        files = self.host.files
-        if program.path is not None:  # an editor may have opened it
+        files = self.host.unopened
+        if program.path is not None:
             files = str(program.path), str(program.points_file or ''), str(program.frames_file or '')
         return json.dumps(dict(zip(FILES, files, strict=True)) | {'written': program.written})
 
