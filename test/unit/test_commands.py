@@ -171,6 +171,12 @@ def test_tables_fit_into_their_terminal_and_lose_nothing(width: int) -> None:
         assert f'cell{number}' in text.getvalue()
 
 
+def test_a_table_without_rows_has_its_columns() -> None:
+    text = StringIO()
+    TerminalTable([('case', 'text'), ('duration', 'number')], []).show(Console(file=text, width=80))
+    assert text.getvalue().split()[:2] == ['case', 'duration']
+
+
 def test_every_command_that_prints_a_table_has_json() -> None:
     tables = {
         'list',
