@@ -74,8 +74,8 @@ def test_tool_lines_are_blended_within_metres() -> None:
     first = kinematics.follow(CartesianLine(start, middle), q)
     second = kinematics.follow(CartesianLine(middle, end), first.q[-1])
 
-    def distance(a: Array, b: Array) -> float:
-        return float(np.linalg.norm(kinematics.pose(a).r - kinematics.pose(b).r))
+    def distance(q: Array, corner: Array) -> Array:
+        return np.linalg.norm(robot.tool_poses(q)[0] - kinematics.pose(corner).r, axis=1)
 
     path, _ = blend([first, second], [(0.03, distance)])
     check_smooth(path)

@@ -202,7 +202,7 @@ def _planned_path(run: RecordedRun, motion: MotionRecord) -> Array:
     if before is not None and before.plan is not plan and before.plan is not None:
         early = AROUND - (motion.path_start - start)
         q = np.concatenate([_positions(before.plan, before.path_end - early, before.path_end), q])
-    r, T = (np.array(parts) for parts in zip(*map(run.robot.direct_kinematics, q), strict=True))
+    r, T = run.robot.tool_poses(q)
     return np.asarray(r + T @ motion.settings.tool_pose.r)
 
 

@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, QueuedCommand
@@ -220,15 +219,16 @@ class MotionChain:
 
     def _zone(self, settings: MotionSettings, command: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
-        tip = partial(self._distance, settings.tool_pose)
+        tip = partial(self._distance, settings.tool_pose.r)
         joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
         own, other = (tool, joints) if command.kind.cartesian else (joints, tool)
         return own if own[0] > 0.0 else other
 
-    def _distance(self, tool: Pose, first: Array, second: Array) -> float:
-        """Way between the positions of the tool's tip in two postures, m."""
-        frames = (self._robot.direct_kinematics(q) for q in (first, second))
-        return float(np.linalg.norm(np.subtract(*(r + T @ tool.r for r, T in frames))))
+    def _distance(self, tool: Array, q: Array, corner: Array) -> Array:
+        """Distances of the tool's tip in some postures from where it is in another, (m,) m."""
+        r, T = self._robot.tool_poses(np.vstack([q, corner]))
+        tip = r + T @ tool
+        return np.asarray(np.linalg.norm(tip[:-1] - tip[-1], axis=1))
 
     def _timing(self, commands: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN

@@ -15,13 +15,13 @@ SAMPLES = 65  # of a path or a blend, to measure lengths and distances
 NARROWER = 0.8  # factor on the replaced length of both paths when a blend leaves its zone
 TRIES = 60
 
-Measure = Callable[[Array, Array], float]
-"""From two joint positions (n,) to their distance, in the unit of the zones."""
+Measure = Callable[[Array, Array], Array]
+"""From joint positions (m, n) to their distances from one (n,), in the unit of the zones, (m,)."""
 
 
-def joint_distance(first: Array, second: Array) -> float:
+def joint_distance(q: Array, corner: Array) -> Array:
     """Largest difference of one axis, rad (m)."""
-    return float(np.abs(first - second).max())
+    return np.asarray(np.abs(q - corner).max(axis=-1))
 
 
 def blend(paths: Sequence[JointPath], zones: Sequence[tuple[float, Measure]]) -> tuple[JointPath, Array]:
@@ -32,8 +32,8 @@ def blend(paths: Sequence[JointPath], zones: Sequence[tuple[float, Measure]]) ->
 
     Args:
         paths: At least one; each begins where the one before ends.
-        zones: Size of the zone around every corner, one fewer than paths, and the distance between two joint
-            positions that it is a size of: of joints (rad), or of the tool (m).
+        zones: Size of the zone around every corner, one fewer than paths, and the distance of joint positions
+            that it is a size of: of joints (rad), or of the tool (m).
 
     Returns:
         The path, and s at the middle of every blend, (len(zones),).
@@ -96,7 +96,7 @@ def _cut(
     for _ in range(TRIES):
         end, begin = length / weights[0], length / weights[1]
         curve = _blend_samples(before, after, weights, end, begin)
-        if max(measure(q, corner) for q in curve) <= zone:
+        if measure(curve, corner).max() <= zone:
             break
         length *= NARROWER
     return end, begin
@@ -106,17 +106,15 @@ def _part_inside(path: JointPath, corner: Array, zone: float, measure: Measure, 
     """The largest part of a path next to the corner, at most half, that lies in the zone."""
     parts = np.linspace(0.0, LARGEST_PART, SAMPLES)
     q = path.evaluate(1.0 - parts if from_end else parts)[0]
-    inside = 0.0
-    for index in range(1, SAMPLES):
-        if measure(q[index], corner) > zone:
-            low, high = float(parts[index - 1]), float(parts[index])
-            for _ in range(30):
-                middle = 0.5 * (low + high)
-                q_middle = path.evaluate(np.array([1.0 - middle if from_end else middle]))[0][0]
-                low, high = (middle, high) if measure(q_middle, corner) <= zone else (low, middle)
-            return low
-        inside = float(parts[index])
-    return inside
+    outside = np.flatnonzero(measure(q[1:], corner) > zone)
+    if not outside.size:
+        return LARGEST_PART
+    low, high = parts[outside[0] : outside[0] + 2].tolist()
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        q_middle = path.evaluate(np.array([1.0 - middle if from_end else middle]))[0]
+        low, high = (middle, high) if measure(q_middle, corner)[0] <= zone else (low, middle)
+    return float(low)
 
 
 def _blend_samples(

@@ -58,6 +58,6 @@ def _speeds(trajectory: Trajectory, robot: BaseRobotModel, tool: Array, times: A
     """Speed (m/s) and angular speed (rad/s) of a tool at times (m,), each (m,)."""
     q, q_dot, _ = trajectory.sample(times)
     twists = np.array([robot.jacobian(row) @ rate for row, rate in zip(q, q_dot, strict=True)])
-    arms = np.array([robot.direct_kinematics(row)[1] @ tool for row in q])
+    arms = robot.tool_poses(q)[1] @ tool
     velocity = twists[:, :3] + np.cross(twists[:, 3:], arms)
     return np.linalg.norm(velocity, axis=1), np.linalg.norm(twists[:, 3:], axis=1)

@@ -212,8 +212,8 @@ class MotionPreview:
         return self._planning.plan(command.kind, q, target, wanted)
 
     def _fastest(self, planned: PlannedMotion, tool: Array) -> float:
-        frames = map(self._planning.robot.direct_kinematics, _samples(planned))
-        places = np.array([r + T @ tool for r, T in frames])
+        r, T = self._planning.robot.tool_poses(_samples(planned))
+        places = r + T @ tool
         step = planned.duration / (SAMPLES - 1)
         return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max() / step)
 
