@@ -144,11 +144,12 @@ def test_the_planner_has_the_settings_of_a_motion_before_it(cell: Cell) -> None:
     assert len(cell.asked) == 1
 
 
-def test_settings_that_are_refused_end_the_motion(cell: Cell) -> None:
+def test_settings_that_are_refused_end_the_motion_and_those_behind_it(cell: Cell) -> None:
     cell.answers = False
-    command = cell.move(speed_fraction=7.0)
+    command, following = cell.move(speed_fraction=7.0), cell.move()
     cell.asked[0][1](PlanningError('not today'))
-    assert cell.ended == [('', command, 'not today')]
+    canceled = 'canceled before it began: not today'
+    assert cell.ended == [('', command, 'not today'), ('', following, canceled)]
     assert cell.sent == []
 
 

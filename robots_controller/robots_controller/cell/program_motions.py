@@ -196,8 +196,11 @@ class ProgramMotions:
                 self._send(self._unsent.popleft())
                 self._send_planned()
                 return
+            _, *following = self._unsent
             self._unsent.clear()
         self._on_result('', command, error)
+        for one in following:
+            self._on_result('', one, PlanningError(f'canceled before it began: {error}'))
 
     def _send(self, command: MotionCommand) -> None:
         id_ = self._planner.next_id()
