@@ -3,6 +3,7 @@
 import time
 from typing import Final
 
+import numpy as np
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
@@ -12,6 +13,7 @@ from robots_controller.client.cell_services import CellServices
 from robots_core.errors import InvalidInputError
 
 POLL: Final = 0.02  # s
+LARGEST: Final = 2**63  # integers of a parameter are below it
 
 
 class IoClient:
@@ -43,11 +45,11 @@ class IoClient:
         return float(value.double_value)
 
     def __setitem__(self, name: str, value: bool | float) -> None:
-        self._set(Parameter(name, value=value).to_parameter_msg())
+        self._set(_parameter(name, value))
 
     def force(self, name: str, value: bool | float) -> None:  # noqa: FBT001  # as in `io[name] = value`
         """Give an input a value regardless of what arrives from outside, until `release`."""
-        self._set(Parameter(f'{name}.force', value=value).to_parameter_msg())
+        self._set(_parameter(f'{name}.force', value))
 
     def release(self, name: str) -> None:
         """End `force`."""
@@ -76,3 +78,10 @@ class IoClient:
         (result,) = self._connection.answer('lua_program_node/set_io', SetParameters, request).results
         if not result.successful:
             raise InvalidInputError(result.reason)
+
+
+def _parameter(name: str, value: object) -> ParameterMessage:
+    number = value.item() if isinstance(value, np.generic) else value
+    if isinstance(number, float) or (isinstance(number, int) and abs(number) < LARGEST):
+        return Parameter(name, value=number).to_parameter_msg()
+    raise InvalidInputError(f'{name} got {value!r}; valid is a bool or a number')
