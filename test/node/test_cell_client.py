@@ -123,6 +123,11 @@ def test_inputs_and_outputs_by_name(cell: ProgramCell, client: CellClient) -> No
         io['gun']
     with pytest.raises(InvalidInputError, match=r'analog_output\.1'):
         io['analog_output.1'] = True
+    io['digital_output.2'] = np.bool_(False)  # what comparisons of arrays yield
+    assert io['digital_output.2'] is False
+    for wrong in (None, 'on', 2**63):
+        with pytest.raises(InvalidInputError, match=r'digital_input\.1\.force got'):
+            io.force('digital_input.1', wrong)  # type: ignore[arg-type]
 
 
 def test_programs_run_to_their_end_again_and_again(
@@ -141,15 +146,37 @@ def test_programs_run_to_their_end_again_and_again(
     # What the node prints itself goes to /rosout only if no context of this process has ended before.
     cell.publish('/rosout', Log(name='lua_program_node.print', msg='hello'))
     cell.wait(lambda: printed == ['hello'], 'the print')
-    path.write_text('wait(1)\nerror("no part")\n')
+    path.write_text('\nerror("no part")\n')
     client.program.open(path)
     client.program.run()
-    assert not client.program.wait(0.0)
     with pytest.raises(ProgramError, match='no part'):
         client.program.wait()
     assert client.program.line == 2
     with pytest.raises(RobotsError, match=r'missing\.lua'):
         client.program.open(tmp_path / 'missing.lua')
+
+
+def test_a_late_report_of_the_run_before_is_not_taken_for_the_end(
+    cell: ProgramCell, client: CellClient, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / 'waiting.lua'
+    path.write_text('wait(3600)\n')
+    client.program.open(path)
+    client.program.run()
+    client.program.stop()
+    with pytest.raises(ProgramError, match='the program was stopped'):
+        client.program.wait()
+    trigger = client.program._connection.trigger
+
+    def late(service: str) -> str:
+        cell.program.host.reporter.report()
+        return trigger(service)
+
+    monkeypatch.setattr(client.program._connection, 'trigger', late)
+    client.program.run()
+    assert client.program.state is RunState.RUNNING
+    assert not client.program.wait(0.0)
+    client.program.stop()
 
 
 def test_the_client_commands_a_robot_that_it_has_taken(cell: ProgramCell, client: CellClient) -> None:

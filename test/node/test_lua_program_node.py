@@ -86,6 +86,7 @@ def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
     failed = bench.wait_for_state('FAILED')
     assert failed == {
         'state': 'FAILED',
+        'run': '1',
         'file': 'test.lua',
         'line': '2',
         'source': MOVE,

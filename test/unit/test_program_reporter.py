@@ -18,6 +18,7 @@ class Desk:
         self.time = 0.0
         self.program = SimpleNamespace(
             run_state=RunState.RUNNING,
+            runs=1,
             line=1,
             file='test.lua',
             line_file='test.lua',
@@ -56,6 +57,7 @@ def test_a_line_is_reported_at_once_with_its_place(desk: Desk) -> None:
     assert (state, status.level, status.text) == (RunState.RUNNING, Level.OK, 'test.lua: RUNNING')
     assert status.values == {
         'state': 'RUNNING',
+        'run': 1,
         'file': 'test.lua',
         'line': 7,
         'source': 'line(7)',

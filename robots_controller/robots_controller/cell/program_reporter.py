@@ -76,6 +76,7 @@ class ProgramReporter:
             error = str(program.error or self.open_error)
             values: dict[str, object] = {
                 'state': state.value,
+                'run': program.runs,
                 'file': program.line_file,
                 'line': line,
                 'source': program.source_line(line),

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 
 from robots_controller.client.cell_services import CellServices
 from robots_controller.program.run_state import RunState
-from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.errors import InvalidInputError, NoAnswerError, ProgramError
 from robots_core.ros.messages import diagnostic_values, number_in
 from robots_core.ros.qos import subscribe
 
@@ -61,7 +61,7 @@ class ProgramClient:
 
     @property
     def state(self) -> RunState | None:
-        """What the program does, or how it has ended; None before the cell has reported it."""
+        """What the program does, or how it has ended; None where the cell has not reported it yet."""
         text = self._status.get('state')
         return None if text is None else RunState(text)
 
@@ -85,16 +85,12 @@ class ProgramClient:
         open_program(self._connection, path, points_file)
 
     def run(self) -> None:
-        """Run the program that is open; `wait` for its end."""
+        """Run the program that is open, until the cell reports that it has begun; `wait` for its end."""
+        self._await_status(lambda: 'run' in self._status)
+        before = self._status['run']
+        self._call('run')
         # `wait` must not see how the program ended before.
-        with self._changed:
-            before, self._status = self._status, {}
-        try:
-            self._call('run')
-        except RobotsError:
-            with self._changed:
-                self._status = self._status or before
-            raise
+        self._await_status(lambda: self._status['run'] != before)
 
     def pause(self) -> None:
         """Hold the program, and the robot on its path."""
@@ -130,6 +126,12 @@ class ProgramClient:
             if self.state is not RunState.FINISHED:
                 raise ProgramError(self.error or 'the program was stopped')
             return True
+
+    def _await_status(self, condition: Callable[[], bool]) -> None:
+        patience = self._connection.patience
+        with self._changed:
+            if not self._changed.wait_for(condition, patience):
+                raise NoAnswerError(f'lua_program_node has not reported the program for {patience:g} s')
 
     def _call(self, service: str) -> None:
         self._connection.trigger(f'lua_program_node/{service}')

@@ -40,6 +40,7 @@ class ProgramState:
     Attributes:
         io: All inputs and outputs.
         run_state: What the program does.
+        runs: How often a program has begun to run.
         stopping: A stop of the program was requested.
         prismatic: Per axis, whether it slides; () if unknown.
         reference_cartesian_position: Where the last commanded motion leads the tool, seen from the base. None
@@ -67,6 +68,7 @@ class ProgramState:
         self.prismatic = prismatic
         self._num_axes = num_axes
         self.run_state = RunState.IDLE
+        self.runs = 0
         self.stopping = False
         self._command_state = RobotCommandState.IDLE
         self._motions: list[MotionCommand] = []
@@ -89,6 +91,7 @@ class ProgramState:
         """Set what the program does; beginning to run clears an earlier stop."""
         with self.condition:
             if state is RunState.RUNNING and self.run_state is not RunState.PAUSED:
+                self.runs += 1
                 self.stopping = False
                 self._motion_error = None
                 self.interrupts = InputInterrupts()
