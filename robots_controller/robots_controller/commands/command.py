@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import atexit
-import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -14,6 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from robots_core.errors import OptionError, RobotsError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
+from robots_core.process_end import end_quickly
 from robots_core.wording.nearest_name import did_you_mean
 
 if TYPE_CHECKING:  # whatever completes a command line in a shell must be quick
@@ -122,7 +121,7 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 def run_with_console(run: Callable[[Console], int]) -> int:
     """Run with a console; what is wrong with the input, and Ctrl-C, end it with codes of their own."""
-    atexit.register(_end_quickly)
+    end_quickly()
     try:
         from rich.console import Console  # noqa: PLC0415  # not to complete a command line
 
@@ -138,9 +137,3 @@ def run_with_console(run: Callable[[Console], int]) -> int:
         return ExitCode.BAD_INPUT
     except KeyboardInterrupt:
         return ExitCode.INTERRUPTED
-
-
-def _end_quickly() -> None:
-    # A process that ends need not look through all that it has loaded: that takes half a second.
-    if 'ruckig' not in sys.modules:  # nanobind, by which it is bound, prints what was not looked through
-        gc.freeze()

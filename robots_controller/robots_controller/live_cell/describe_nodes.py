@@ -14,6 +14,7 @@ import yaml
 
 from robots_controller.live_cell.node_types import node_scripts, node_type
 from robots_controller.live_cell.reference_tables import write_pages
+from robots_core.process_end import end_quickly
 from robots_core.ros.running.node_help import TABLE, default_text, described
 
 PAGE: Final = Path('docs/reference/node_parameters.md')
@@ -67,6 +68,7 @@ def page_text(packages: dict[str, dict[str, Any]]) -> str:
 
 def main() -> None:
     """Write all."""
+    end_quickly()
     rclpy.init(args=['describe_nodes', '--ros-args', '--log-level', 'error'])
     packages = described_nodes()
     rclpy.shutdown()

@@ -1,6 +1,5 @@
 """The one place that spins: start a node, serve it, and end it cleanly."""
 
-import atexit
 import faulthandler
 import gc
 import inspect
@@ -17,6 +16,7 @@ from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
+from robots_core.process_end import end_quickly
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.peers.namesake_watch import NamesakeWatch
 from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
@@ -52,8 +52,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
         another one of its name. Nodes that have not ended after `END_DEADLINE` end the process with 1 and the
         stacks of all threads.
     """
-    # A process that ends need not look through all that it has loaded: that takes half a second.
-    atexit.register(gc.freeze)
+    end_quickly()
     choose_transports()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     nodes: list[TimedNode] = []
