@@ -18,6 +18,7 @@ from robots_core.errors import (
     CommandRefusedError,
     InvalidInputError,
     JointLimitError,
+    PlanningError,
     ProgramError,
     RobotsError,
 )
@@ -77,10 +78,35 @@ def test_what_cannot_be_moved_to_is_refused_where_it_is_commanded_or_waited_for(
         client.set_override(2.0)
     with pytest.raises(InvalidInputError, match='at least one pose'):
         client.move_spline([])
+    with pytest.raises(InvalidInputError, match=r'\[1, 2, 3\] is no Pose'):
+        client.move_circle(client.tool_pose, [1, 2, 3])  # type: ignore[arg-type]
     far = client.move_line(Pose(np.array([9.0, 0.0, 0.0]), np.eye(3)))
     with pytest.raises(RobotsError, match='reach'):
         far.wait()
     assert far.done
+    client.move_joint(NEAR).wait()
+
+
+def test_after_a_motion_that_failed_nothing_is_executed_until_the_client_has_heard_of_it(
+    cell: ProgramCell, client: CellClient
+) -> None:
+    place = cell.until_standing()
+    client.set_override(0.001)  # not far, however late the robot is stopped
+    motions = [client.move_line(Pose(np.array([9.0, 0.0, 0.0]), np.eye(3)))]
+
+    def command() -> None:
+        while True:
+            motions.append(client.move_joint(0.5 * NEAR))
+
+    with pytest.raises(PlanningError, match=r'^not commanded, as a motion before it has failed: .*reach'):
+        command()
+    assert all(motion.done for motion in motions)
+    np.testing.assert_allclose(cell.until_standing(), place, atol=2.0)
+    client.set_override(1.0)
+    client.move_joint(0.8 * NEAR).wait()
+    for motion in motions:
+        with pytest.raises(RobotsError):  # canceled, given up, or planned while the robot was moving
+            motion.wait()
     client.move_joint(NEAR).wait()
 
 

@@ -16,6 +16,7 @@ from std_srvs.srv import SetBool
 from robots_controller.client.connection import Connection
 from robots_controller.client.io_client import IoClient
 from robots_controller.client.motion import Motion
+from robots_controller.client.motions_under_way import MotionsUnderWay
 from robots_controller.client.program_client import ProgramClient
 from robots_controller.nodes.ports.commanded_motions import commanded_motions
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
@@ -53,9 +54,10 @@ class CellClient:
 
     Motions run like those of robot programs: planning_node plans them with the settings given here, the
     collision check comes before them, and controller_node executes them in their order. They may be commanded
-    ahead; those whose settings have a blend zone run through to the next one. The client is the commander
-    REMOTE: a free robot follows it at once; `take_command` keeps others away. Robot programs need the robot
-    free.
+    ahead; those whose settings have a blend zone run through to the next one. When one fails, the robot
+    stops, those commanded for after it fail too, and the next one is refused if no `Motion.wait` has raised
+    the error. The client is the commander REMOTE: a free robot follows it at once; `take_command` keeps
+    others away. Robot programs need the robot free.
 
     All methods may be called from any thread, and raise a RobotsError if a node refuses or does not answer.
     A cell in lock-step is driven by a robot program or `ControllerSixAxes` instead.
@@ -89,7 +91,6 @@ class CellClient:
         node, names = self._connection.node, self.robot.axes_data.names
         self._settings: dict[str, object] = {}
         self._zones: dict[str, object] = {}  # blend zones of the motion before
-        self._motions: dict[MotionCommand, Motion] = {}  # by command, in their order
         self._states = PolledSubscription(node, JointState, 'joint_states', raw=True)
         self._reader = JointStateReader(names)
         self._position: Array | None = None
@@ -100,6 +101,7 @@ class CellClient:
         self._queue = commanded_motions(
             node, self._planner, self._connection.send, self._ended, patience=patience
         )
+        self._motions = MotionsUnderWay(self._queue.cancel, self._flush, patience)
         subscribe(node, Float64, 'motion_progress', self._advanced)
         for topic in ('commander', 'operating_mode'):
             subscribe(node, String, topic, partial(self._on_text, topic))
@@ -179,10 +181,12 @@ class CellClient:
 
     def cancel(self) -> None:
         """Stop the robot on its path and give up all motions."""
+        self._motions.expect_failures()
         self._queue.cancel()
 
     def stop(self) -> None:
         """Stop the robot on its path, whatever commanded it, until `reset`."""
+        self._motions.expect_failures()
         self._connection.trigger('controller_node/stop')
 
     def set_override(self, value: float) -> None:
@@ -193,13 +197,17 @@ class CellClient:
 
     def _move(self, kind: MotionKind, settings: Mapping[str, Any], **target: Any) -> Motion:
         wanted = self._settings | _checked(settings)
+        for pose in [] if kind is JOINT else [*target.get('path', ()), target['pose']]:
+            if not isinstance(pose, Pose):
+                raise InvalidInputError(f'{pose!r} is no Pose')
         zones = {name: wanted[name] for name in BLEND_ZONES if wanted.get(name)}
         # Blending that is switched off before the last motion would end the chain before that.
         command = MotionCommand(
             kind=kind, line=0, function='', settings=wanted | ({} if zones else self._zones), **target
         )
-        motion = self._motions[command] = Motion(self._flush)
+        motion = self._motions.begin(command)
         self._queue.send(command)
+        self._motions.sent(motion)
         if zones:
             self._zones = zones
         else:
@@ -264,14 +272,17 @@ class CellClient:
 
     def take_over(self) -> None:
         """Stop the robot and take it from its present commander."""
+        self._motions.expect_failures()
         self._connection.trigger('controller_node/take_over/remote')
 
     def emergency_stop(self) -> None:
         """Stop the robot and switch its drives off. This is not a certified safety function."""
+        self._motions.expect_failures()
         self._connection.trigger('controller_node/emergency_stop')
 
     def reset(self) -> None:
         """Permit motion again after a fault."""
+        self._motions.expect_failures()
         self._connection.trigger('controller_node/reset')
 
     def _set_commander(self, *, taken: bool) -> None:
@@ -283,11 +294,10 @@ class CellClient:
     # -- the connection's thread ----------------------------------------------------------------------
 
     def _ended(self, _id: str, command: MotionCommand, error: RobotsError | None) -> None:
-        self._motions.pop(command).end(error)
+        self._motions.end(command, error)
 
     def _advanced(self, message: Float64) -> None:
-        for motion in [*self._motions.values()][:1]:
-            motion.advance(message.data)
+        self._motions.advance(message.data)
 
     def _on_text(self, topic: str, message: String) -> None:
         self._latched[topic] = message.data

@@ -13,11 +13,14 @@ class Motion:
     """A motion on its way.
 
     Args:
+        number: Grows from motion to motion.
         flush: Called before waiting: no motion follows that it could blend into.
+        raised: Called with the number before an error is raised.
     """
 
-    def __init__(self, flush: Callable[[], None]) -> None:
-        self._flush = flush
+    def __init__(self, number: int, flush: Callable[[], None], raised: Callable[[int], None]) -> None:
+        self.number = number
+        self._flush, self._raised = flush, raised
         self._ended = threading.Event()
         self._error: RobotsError | None = None
         self._progress = 0.0
@@ -47,6 +50,7 @@ class Motion:
         self._flush()
         ended = self._ended.wait(timeout)
         if self._error is not None:
+            self._raised(self.number)
             raise self._error
         return ended
 
