@@ -203,6 +203,8 @@ def test_a_late_report_of_the_run_before_is_not_taken_for_the_end(
     assert client.program.state is RunState.RUNNING
     assert not client.program.wait(0.0)
     client.program.stop()
+    with pytest.raises(ProgramError, match='the program was stopped'):
+        client.program.wait()
 
 
 def test_the_client_commands_a_robot_that_it_has_taken(cell: ProgramCell, client: CellClient) -> None:

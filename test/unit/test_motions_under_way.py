@@ -106,8 +106,20 @@ def test_an_old_error_that_is_raised_again_says_nothing_of_a_new_one(client: Cli
 def test_failures_that_a_client_expects_refuse_nothing(client: Client) -> None:
     client.command()
     client.motions.expect_failures()
-    client.end(0, ERROR)
     client.command()
+    client.end(0, ERROR)
+    assert client.done == [True, False]
+    assert client.stops == 0
+    client.end(1)
+    client.command()
+
+
+def test_what_is_held_back_is_heard_of_although_the_client_expects_the_rest(client: Client) -> None:
+    client.command(2)
+    client.end(0, ERROR)
+    client.motions.expect_failures()
+    client.end(1, ERROR)
+    assert client.done == [True, True]
 
 
 def test_progress_is_that_of_the_oldest_motion(client: Client) -> None:

@@ -61,14 +61,15 @@ class MotionsUnderWay:
         """A motion has ended: None, or why the robot is not at the target."""
         with self._changed:
             motion = self._motions.pop(command)
-            if error is not None and self._error is None and motion.number > self._heard:
+            expected = motion.number <= self._heard
+            if error is not None and self._error is None and not expected:
                 self._error = error
-            stops = error is not None and not self._held_back and self._any_after(motion)
-            if error is None and not self._is_behind(motion):
-                motion.end(None)
-                return
-            self._held_back.append((motion, error))
-            if not self._any_after(self._held_back[0][0]):
+            if expected or (error is None and not self._is_behind(motion)):
+                motion.end(error)
+            else:
+                self._held_back.append((motion, error))
+            stops = bool(self._held_back) and self._held_back[0][0] is motion and self._any_after(motion)
+            if self._held_back and not self._any_after(self._held_back[0][0]):
                 for one, reason in self._held_back:
                     one.end(reason)
                 self._held_back.clear()
