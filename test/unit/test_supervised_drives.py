@@ -75,6 +75,51 @@ def test_references_are_followed_as_by_the_drives_alone(level: str) -> None:
 
 
 @pytest.mark.parametrize('level', DRIVE_LEVELS)
+def test_a_robot_that_stands_for_long_moves_on_as_if_each_reference_were_a_new_one(level: str) -> None:
+    rig, other = Rig(level), Rig(level)
+    target, still = HOME + 1e-3, np.zeros_like(HOME)
+
+    def both(periods: int, q: np.ndarray | None, q_dot: np.ndarray = still) -> None:
+        for _ in range(periods):
+            rig.step(q, q_dot)
+            other.step(None if q is None else q.copy(), q_dot.copy())
+
+    both(1, HOME)
+    both(2500, target)
+    assert rig.supervised.standing
+    both(5, target, np.full_like(HOME, 1e-3))  # the same positions with another velocity
+    both(2500, target)
+    both(2, None)
+    both(20, target)
+    rig.supervised.power(on=False)
+    other.supervised.power(on=False)
+    both(20, target)
+    rig.supervised.power(on=True)
+    other.supervised.power(on=True)
+    both(200, HOME)
+    both(500, None)
+    assert rig.supervised.braked
+    assert other.supervised.braked
+    np.testing.assert_array_equal(rig.positions, other.positions)
+    np.testing.assert_array_equal(rig.supervised.drives.velocity, other.supervised.drives.velocity)
+
+
+@pytest.mark.parametrize('level', ['ideal', 'second_order'])
+def test_drives_that_have_settled_compute_nothing(level: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, still = Rig(level), np.zeros_like(HOME)
+    rig.run(1, HOME, still)
+    rig.run(2500, HOME + 1e-3, still)
+    target = HOME + 2e-3
+    rig.run(2500, target, still)
+    monkeypatch.delattr(type(rig.supervised.drives), 'step')
+    rig.run(100, target, still)
+    np.testing.assert_allclose(rig.positions[-1], target, rtol=0.0, atol=1e-12)
+    moving = np.array([[target, SPEED, ZERO]])
+    rig.supervised.pass_over(rig.now + PERIOD, moving)
+    assert not rig.supervised.standing
+
+
+@pytest.mark.parametrize('level', DRIVE_LEVELS)
 @pytest.mark.parametrize('how', ['the references have ended', 'switched off'])
 def test_drives_ramp_down_inside_their_limits_and_brake(level: str, how: str) -> None:
     rig = Rig(level)

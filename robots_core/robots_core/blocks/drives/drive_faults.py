@@ -98,6 +98,8 @@ class FaultInjection:
         return q, q_dot, [i for i, name in enumerate(self._names) if name not in self.faults.lost]
 
     def _kept(self, axes: frozenset[str], before: dict[int, float], values: Array) -> dict[int, float]:
+        if not axes:
+            return {}
         return {i: before.get(i, float(values[i])) for i, name in enumerate(self._names) if name in axes}
 
 

@@ -29,6 +29,8 @@ class DriveTrain(ABC):
     velocity: Array
     rendezvous: Rendezvous | None = None
     """What moves with the drives of a robot in orbit; None for a robot that stands."""
+    led_by_reference_alone: bool = False
+    """Nothing but the reference moves the axes: where a step changes nothing, no further one does."""
 
     @property
     def torque(self) -> Array | None:
@@ -105,6 +107,8 @@ class IdealDrive(DriveTrain):
         InvalidInputError: values that are not finite, or a period that is not positive.
     """
 
+    led_by_reference_alone = True
+
     def __init__(self, q: ArrayLike, *, period: float) -> None:
         position = np.array(q, dtype=np.float64)
         self.position = finite_vector(position, position.size, 'q')
@@ -142,6 +146,8 @@ class SecondOrderDrive(DriveTrain):
     Raises:
         InvalidInputError: values that are not positive and finite, or of another shape.
     """
+
+    led_by_reference_alone = True
 
     def __init__(
         self, q: ArrayLike, *, period: float, bandwidth: ArrayLike = 15.0, damping: ArrayLike = 1.0

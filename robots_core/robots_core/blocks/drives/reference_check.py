@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -40,7 +41,8 @@ class ReferenceCheck:
         self._step = SLACK_PERIODS * period * axes.velocity
         self._fastest = axes.velocity * (1.0 + TOLERANCE)
         self._hardest = axes.acceleration * (1.0 + TOLERANCE)
-        self.last: Array = np.zeros(axes.num_axes)
+        self._still: Array = np.zeros(axes.num_axes)
+        self.last = self._still
         """The last reference that was taken, (n,), rad (m)."""
         self._stamp = self._time = -np.inf
         self._newest = -np.inf  # stamp of the last reference, taken or refused
@@ -60,7 +62,12 @@ class ReferenceCheck:
     def take(self, now: float, q: Array, stamp: float) -> None:
         """Take the reference that came last; as for `problem`."""
         self._span = stamp - self._stamp
-        self._mean = (q - self.last) / self._span if self._timed else None
+        if not self._timed:
+            self._mean = None
+        elif q is self.last:  # one that stands
+            self._mean = self._still
+        else:
+            self._mean = (q - self.last) / self._span
         self._take(now, q, stamp)
 
     def pass_over(self, now: float, q: Array, mean: Array) -> None:
@@ -101,7 +108,7 @@ class ReferenceCheck:
 
     def _take(self, now: float, q: Array, stamp: float) -> None:
         self.last, self._time, self._stamp = q, now, stamp
-        self._newest, self._timed = stamp, bool(np.isfinite(stamp))
+        self._newest, self._timed = stamp, math.isfinite(stamp)
 
     def _too_fast(self, velocity: Array, fast: NDArray[np.bool_]) -> str:
         worst = int(fast.argmax())

@@ -80,6 +80,7 @@ class SupervisedDrives:
         self._mean = self._q_dot
         self._target, self._target_dot = self._q, self._q_dot
         self._silent = 0
+        self._settled: Array | None = None  # the reference at which a step of the drives changes nothing
         self._watchdog = Watchdog(timeout, processor_share)
 
     @property
@@ -90,6 +91,8 @@ class SupervisedDrives:
     @property
     def standing(self) -> bool:
         """The axes stand, and nothing moves them."""
+        if self._settled is not None:
+            return True
         return self._slow(self.drives.velocity) and not self._q_dot.any()
 
     def power(self, *, on: bool) -> None:
@@ -122,6 +125,9 @@ class SupervisedDrives:
         due = now if stamp is None else stamp or -np.inf
         accepted = q is not None and q_dot is not None and self._accepts(now, q, q_dot, due, sender_period)
         self._watchdog.check(now, alive=accepted)
+        if accepted and self._is_settled(q, q_dot):
+            return self.drives.position, self.drives.velocity
+        self._settled = None
         if accepted:
             assert q is not None
             assert q_dot is not None
@@ -139,6 +145,7 @@ class SupervisedDrives:
                 self._target = self._inside(self._target + self._period * self._target_dot)
             else:
                 self.state = DriveState.RAMPING
+        before = self.drives.position, self.drives.velocity
         if self.state is DriveState.FOLLOWING and self._reaches(self._target):
             self._move(self._target, self._target_dot)
         elif self._silent <= MAX_EXTRAPOLATED and self._on:
@@ -146,6 +153,8 @@ class SupervisedDrives:
         else:
             self._ramp_down()
         position, velocity = self.drives.step(self._q, self._q_dot)
+        if accepted and self._stays(before):
+            self._settled = self._target
         if self.state is DriveState.RAMPING and self._may_brake(velocity):
             self._brake()
             return self.drives.position, self.drives.velocity
@@ -168,7 +177,7 @@ class SupervisedDrives:
     def pass_over(self, now: float, references: Array) -> None:
         """The drives have followed references, (k, 3, n), as `ahead` says, the last one at `now`, s."""
         self._watchdog.check(now, alive=True)
-        self._silent, self.problem = 0, ''
+        self._silent, self.problem, self._settled = 0, '', None
         if len(references) > 1:
             self._q = references[-2, 0]
         self._target, self._target_dot = references[-1, 0].copy(), references[-1, 1].copy()
@@ -183,7 +192,9 @@ class SupervisedDrives:
         check = self._check
         if self.state is DriveState.BRAKED:
             reason = self._away(q, q_dot)
-        elif q is check.last and not q_dot.any() and self.state is DriveState.FOLLOWING:
+        elif self._is_settled(q, q_dot) or (
+            q is check.last and not q_dot.any() and self.state is DriveState.FOLLOWING
+        ):
             check.receive(stamp, sender_period)
             reason = ''
         else:
@@ -252,6 +263,21 @@ class SupervisedDrives:
         self.state = DriveState.BRAKED
         self._stand()
         self.problem = self.problem or ('the references have ended' if self._on else 'switched off')
+
+    def _is_settled(self, q: Array | None, q_dot: Array | None) -> bool:
+        return q is not None and q is self._settled and q_dot is self._target_dot
+
+    def _stays(self, before: tuple[Array, Array]) -> bool:
+        """The reference stands, and the step to it has changed neither of these: position and velocity."""
+        drives = self.drives
+        return (
+            self.state is DriveState.FOLLOWING
+            and drives.led_by_reference_alone
+            and not (self._mean.any() or self._q_dot.any())
+            and np.array_equal(drives.position, before[0])
+            and np.array_equal(drives.velocity, before[1])
+            and self._slow(drives.velocity)
+        )
 
     def _catch_up(self, q: Array, q_dot: Array) -> None:
         """Approach a reference that moves, inside the limits and the reserve."""
