@@ -68,7 +68,7 @@ class DriveNode(ManagedNode):
         )
         resting_rate = self.parameter(
             'resting_rate',
-            50.0,
+            25.0,
             'joint_states a second of axes that have stood for 0.5 s, Hz, at most `rate`; in simulated time '
             'always `rate`',
             bounds=(20.0, 2000.0),
