@@ -8,21 +8,19 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
-from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.cell_interface.operating_modes import Commander
-from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.loop import Loop
-from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
 from robots_core.validation import Array
 from robots_planning.guidance.jogging import Jogging
 from robots_planning.guidance.teach_box import JOG_RATE, jog_axes
+from robots_planning.nodes.controller_reference import ControllerReference
 
 
 class JogStream:
@@ -30,7 +28,8 @@ class JogStream:
 
     Args:
         node: Owner.
-        standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
+        reference: Of the controller.
+        standing: Where it stands, (n,); raises a PlanningError if it does not.
         busy: A motion is planned or runs: no jogging.
         commanders: Says whether a person may jog.
     """
@@ -38,6 +37,7 @@ class JogStream:
     def __init__(
         self,
         node: RobotNode,
+        reference: ControllerReference,
         *,
         standing: Callable[[], Array],
         busy: Callable[[], bool],
@@ -54,7 +54,8 @@ class JogStream:
             'teach_timeout', 0.1, 'a jog command older than this is stale, s', bounds=(0.02, 1.0)
         )
         self._names = list(node.robot.axes_data.names)
-        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
+        self._controller = reference
+        self._newest: tuple[Array, Array] | None = None  # that the jogging has got
         self.jogging = Jogging(
             node.robot,
             standing=standing,
@@ -111,8 +112,8 @@ class JogStream:
             self._stream.publish(np.array([step.q, step.q_dot, step.q_ddot]), now)
 
     def _reference(self) -> Array | None:
-        message = self._references.take()
-        return None if message is None else single_point(message, self._names, 'joint_reference')[0]
+        before, self._newest = self._newest, self._controller.newest()
+        return None if self._newest is None or self._newest is before else self._newest[0]
 
     def _report(self) -> None:
         if self._limits:

@@ -119,6 +119,7 @@ class PlanningNode(RobotNode):
         self._publish_settings()
         self._jogging = JogStream(
             self,
+            self._reference,
             standing=self.planner.standing,
             busy=lambda: self.planner.moving,
             commanders=self.admission.commanders,
