@@ -288,9 +288,8 @@ def measured_bare(description: dict[str, Any], seconds: float) -> Use:
             time.sleep(2 * SETTLING)
             return used({name: process.pid for name, process in processes.items()}, seconds)
         finally:
-            for process in processes.values():
-                process.send_signal(signal.SIGINT)
-            for process in processes.values():
+            for process in processes.values():  # interrupted, Fast DDS can hang where all leave at once
+                process.kill()
                 process.wait()
 
 
