@@ -168,24 +168,35 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
     assert output == ''
 
 
-def test_a_node_that_hangs_at_its_end_is_ended(ros_domain: int) -> None:
+@pytest.mark.parametrize('what', ['node', 'listener of a cell'])
+def test_what_hangs_at_its_end_is_ended(ros_domain: int, what: str) -> None:
     del ros_domain
-    lines = (
+    hanging = (
         'import ctypes, sys',
-        'from robots_core.ros.running import run',
+        'from robots_core.ros.running import bounded_end, run',
         'from robots_core.ros.timed_node import TimedNode',
-        'run.END_DEADLINE = 0.1',
+        'bounded_end.END_DEADLINE = 0.1',
         'class Hanging(TimedNode):',
         '    def destroy_node(self):',
         '        ctypes.PyDLL(None).pause()  # as Fast DDS can: no other thread runs Python meanwhile',
-        'def make_node():',
-        '    node = Hanging("hanging")',
-        '    node.context.try_shutdown()',
-        '    return node',
-        'sys.exit(run.run(make_node))',
     )
+    lines = {
+        'node': (
+            'def make_node():',
+            '    node = Hanging("hanging")',
+            '    node.context.try_shutdown()',
+            '    return node',
+            'sys.exit(run.run(make_node))',
+        ),
+        'listener of a cell': (
+            'import rclpy',
+            'from robots_controller.live_cell.cell_listener import SpunNodes',
+            'rclpy.init()',
+            'SpunNodes([Hanging("hanging")], "spinning").end()',
+        ),
+    }
     process = subprocess.run(
-        [sys.executable, '-c', '\n'.join(lines)],
+        [sys.executable, '-c', '\n'.join((*hanging, *lines[what]))],
         check=False,
         capture_output=True,
         text=True,

@@ -20,6 +20,7 @@ from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import PATIENCE, Coordinator
+from robots_core.ros.running.bounded_end import bounded_end
 from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.timed_node import TimedNode
 
@@ -81,9 +82,10 @@ class SpunNodes:
         self._executor.wake()
         self._thread.join()
         before()
-        for node in self._nodes:
-            node.destroy_node()
-        self._executor.shutdown()
+        with bounded_end():  # all nodes of the cell leave at this time
+            for node in self._nodes:
+                node.destroy_node()
+            self._executor.shutdown()
 
 
 @dataclass

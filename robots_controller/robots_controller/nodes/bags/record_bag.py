@@ -11,6 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.exit_codes import ExitCode
+from robots_core.ros.running.bounded_end import bounded_end
 from robots_core.ros.running.lean_executor import LeanExecutor
 
 
@@ -35,9 +36,10 @@ def main() -> int:
             executor.spin_once()
     finally:
         recorder.close()
-        recorder.destroy_node()  # type: ignore[no-untyped-call]
-        executor.shutdown()
-        rclpy.shutdown()
+        with bounded_end():
+            recorder.destroy_node()  # type: ignore[no-untyped-call]
+            executor.shutdown()
+            rclpy.shutdown()
     return ExitCode.FAILED if recorder.problem else ExitCode.OK
 
 

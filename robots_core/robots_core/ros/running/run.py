@@ -19,15 +19,13 @@ from robots_core.exit_codes import ExitCode
 from robots_core.process_end import end_quickly
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.peers.namesake_watch import NamesakeWatch
+from robots_core.ros.running.bounded_end import STDERR, bounded_end
 from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
 from robots_core.ros.running.interrupt import interrupt
 from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.running.middleware import choose_transports
 from robots_core.ros.running.node_help import check_parameter_names, help_requested, help_text
 from robots_core.ros.timed_node import TimedNode
-
-END_DEADLINE = 20.0  # s
-STDERR = 2  # its descriptor, whatever `sys.stderr` is
 
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
@@ -49,8 +47,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
 
     Returns:
         Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured, or beside
-        another one of its name. Nodes that have not ended after `END_DEADLINE` end the process with 1 and the
-        stacks of all threads.
+        another one of its name, 1 for nodes that do not end, see `bounded_end`.
     """
     end_quickly()
     choose_transports()
@@ -92,11 +89,8 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             print(error.line_for_person, file=sys.stderr)
             return ExitCode.BAD_INPUT
         finally:
-            # Fast DDS 2.14 can wait without end for a participant that leaves while its own is destroyed, and
-            # rclpy does not let other threads run Python meanwhile: only compiled code can end the process.
-            faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=STDERR)
-            _end(nodes, heartbeats, executor)
-            faulthandler.cancel_dump_traceback_later()
+            with bounded_end():
+                _end(nodes, heartbeats, executor)
     return ExitCode.OK
 
 
