@@ -90,6 +90,7 @@ def test_outputs_are_fail_safe_after_a_stop_and_the_end_of_the_node_alone(ros_no
     wait_for([1, 1, 1], 7.0)
     assert bench.ask('stop').success
     wait_for([0, 1, 0], 2.5)
+    bench.wait_for_state('STOPPED')
     bench.start(on)
     bench.wait_for_state('FINISHED')
     wait_for([1, 1, 1], 7.0)

@@ -121,7 +121,10 @@ def test_life_of_a_program(tmp_path: Path):
     for action in (program.run, program.reset, lambda: program.open(tmp_path / 'test.lua')):
         with pytest.raises(ProgramError, match=r'test\.lua is running; stop it first'):
             action()
-    assert program.stop()
+    with program.condition:  # it cannot end before the request is refused
+        assert program.stop()
+        with pytest.raises(ProgramError, match=r'test\.lua is stopping; wait until it has stopped'):
+            program.run()
     assert program.join(DEADLINE)
     assert program.run_state is RunState.STOPPED
     for action in (program.run, program.reset):

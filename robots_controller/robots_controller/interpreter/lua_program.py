@@ -353,7 +353,8 @@ class LuaProgram(ProgramState):
 
     def _refuse_while_running(self, action: str) -> None:
         if self.running:
-            raise ProgramError(f'cannot {action}: {self.file} is running; stop it first')
+            state = 'stopping; wait until it has stopped' if self.stopping else 'running; stop it first'
+            raise ProgramError(f'cannot {action}: {self.file} is {state}')
 
     def _source_at_rest(self, action: str) -> LuaSource:
         if self._source is None:
