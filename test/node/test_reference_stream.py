@@ -12,6 +12,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.typesys import Stores, get_typestore
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.periodic.resting_rate import RestingRate
 from robots_core.ros.streams.reference_stream import ReferenceStream
 
 
@@ -37,3 +38,25 @@ def test_publishes_what_it_is_given_and_nothing_else(ros_nodes: Any, names: tupl
     assert before - 1.0e9 <= stamp <= node.get_clock().now().nanoseconds - 0.9e9
     # Strict readers refuse trailing bytes.
     get_typestore(Stores.ROS2_JAZZY).deserialize_cdr(raw[0], 'trajectory_msgs/msg/JointTrajectory')
+
+
+def test_a_reference_that_stands_is_sent_seldom_and_again_before_one_that_moves(ros_nodes: Any) -> None:
+    node, period = ros_nodes.create_node(), 0.004
+    found: list[tuple[int, float]] = []
+
+    def take(message: JointTrajectory) -> None:
+        found.append((message.header.stamp.nanosec, message.points[0].positions[0]))
+
+    node.create_subscription(JointTrajectory, 'joint_reference', take, QoSProfile(depth=100))
+    stream = ReferenceStream(
+        node, 'joint_reference', ['a'], time_from_start=period, resting=RestingRate(10, 2)
+    )
+    ros_nodes.wait_for(stream._publisher.get_subscription_count)
+    stands, start, sent = np.zeros((3, 1)), time.monotonic(), []
+    for k in range(35):
+        stream.publish(stands if k < 30 else np.full((3, 1), float(k)), start + k * period)
+        sent += [k] if k in {0, 1, 2, 12, 22, 29} or k >= 30 else []
+    ros_nodes.wait_for(lambda: len(found) >= len(sent))
+    assert [position for _, position in found] == [0.0] * 6 + [30.0, 31.0, 32.0, 33.0, 34.0]
+    steps = np.diff([stamp for stamp, _ in found]) % 1_000_000_000
+    np.testing.assert_allclose(1e-9 * steps, period * np.diff(sent), atol=1e-6)

@@ -17,3 +17,11 @@ def test_every_cycle_while_it_moves_and_some_later_few_at_rest():
 def test_one_of_one_is_every_cycle():
     rate = RestingRate(every=1, after=0)
     assert all(rate.due(resting=True) for _ in range(20))
+
+
+def test_what_has_rested_is_reported_one_by_one_again_when_asked():
+    rate = RestingRate(every=5, after=3)
+    for _ in range(20):
+        rate.due(resting=True)
+    rate.restart()
+    assert [rate.due(resting=True) for _ in range(5)] == [True] * 3 + [False] * 2

@@ -104,6 +104,48 @@ def test_a_robot_that_stands_for_long_moves_on_as_if_each_reference_were_a_new_o
     np.testing.assert_array_equal(rig.supervised.drives.velocity, other.supervised.drives.velocity)
 
 
+@pytest.mark.parametrize('level', DRIVE_LEVELS)
+def test_references_that_stand_may_be_left_out(level: str) -> None:
+    rig, other = Rig(level), Rig(level)
+
+    def both(q: np.ndarray, q_dot: np.ndarray = ZERO, *, left_out: bool = False) -> None:
+        rig.step(None if left_out else q, q_dot)
+        other.step(q, q_dot)
+
+    for k in range(1000):
+        both(HOME, left_out=k > 50 and k % 10 > 0)
+    assert rig.state is DriveState.FOLLOWING
+    assert rig.supervised.problem == ''
+    # Before a motion the last one comes again, with the first of the motion.
+    rig.supervised.overtaken(rig.now + PERIOD, HOME, ZERO, rig.now)
+    q, q_dot = HOME, ZERO
+    while (q_dot < SPEED).any():
+        faster = np.minimum(q_dot + 0.9 * PERIOD * AXES.acceleration, SPEED)
+        q, q_dot = q + 0.5 * PERIOD * (q_dot + faster), faster
+        both(q, q_dot)
+    np.testing.assert_array_equal(rig.positions, other.positions)
+
+
+def test_a_jump_after_references_that_were_left_out_is_refused() -> None:
+    rig = Rig('ideal')
+    rig.run(10, HOME)
+    rig.run(9, None)
+    rig.supervised.overtaken(rig.now + PERIOD, HOME, ZERO, rig.now)
+    rig.step(HOME + PERIOD * AXES.velocity)
+    assert 'its limits allow' in rig.supervised.problem
+    np.testing.assert_array_equal(rig.positions[-1], HOME)
+
+
+def test_references_that_stood_and_have_ended_close_the_brakes() -> None:
+    rig = Rig('ideal')
+    rig.run(10, HOME)
+    rig.run(round(0.9 * TIMEOUT / PERIOD), None)
+    assert rig.state is DriveState.FOLLOWING
+    rig.run(round(0.2 * TIMEOUT / PERIOD), None)
+    assert rig.state is DriveState.BRAKED
+    assert rig.supervised.problem == 'the references have ended'
+
+
 @pytest.mark.parametrize('level', ['ideal', 'second_order'])
 def test_drives_that_have_settled_compute_nothing(level: str, monkeypatch: pytest.MonkeyPatch) -> None:
     rig, still = Rig(level), np.zeros_like(HOME)

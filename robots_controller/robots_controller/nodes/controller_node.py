@@ -50,6 +50,7 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.resting_rate_parameter import resting_rate_parameter
 from robots_core.status import Status
 from robots_core.validation import Array, fraction
 from robots_core.wording.safety_note import NOT_CERTIFIED
@@ -123,7 +124,13 @@ class ControllerNode(ManagedNode):
         self._health_every = cycles(rate, HEALTH_RATE)
         self._last_condition: tuple[bytes, str] | None = None
 
-        self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
+        self._references = ReferenceStream(
+            self,
+            'joint_reference',
+            self._names,
+            time_from_start=1.0 / rate,
+            resting=resting_rate_parameter(self, 'joint_reference', rate),
+        )
         self._progress_publisher = make_publisher(self, Float64, 'motion_progress')
         self._result_publisher = make_publisher(self, DiagnosticStatus, 'motion_result')
         self._drives_publisher = make_publisher(self, Bool, 'drives_on')
@@ -246,6 +253,7 @@ class ControllerNode(ManagedNode):
 
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
+        self._references.restart()  # brakes open for a reference that stands, and a motion may follow
         self._drives_publisher.publish(Bool(data=state.drives_on))
         with self._reporting_stop:
             self._publish_stop(state.status)

@@ -32,13 +32,16 @@ STREAM: Final = Profile('STREAM', 'the newest message alone, and the last is nev
 SENSOR: Final = Profile(
     'SENSOR', 'the newest message alone; the next one replaces a lost one', reliable=False
 )
+REFERENCE: Final = Profile(
+    'REFERENCE', 'the two newest messages; the next one replaces a lost one', depth=2, reliable=False
+)
 COMMAND: Final = Profile('COMMAND', 'every message, and none from before', depth=100)
 EVENTS: Final = Profile('EVENTS', "every message: rclpy's profile of changed parameters", depth=1000)
 LOG: Final = Profile(
     'LOG', "every message, also from before: rclpy's profile of logs", depth=1000, latched=True
 )
 
-PROFILES: Final = (STATE, STREAM, SENSOR, COMMAND, EVENTS, LOG)
+PROFILES: Final = (STATE, STREAM, SENSOR, REFERENCE, COMMAND, EVENTS, LOG)
 
 
 @dataclass(frozen=True)
@@ -139,7 +142,9 @@ _ROWS: Final[dict[str, TopicQos]] = {
     **dict.fromkeys(_COMMANDS, _one(COMMAND)),
     # Drivers that send sensor data unacknowledged are received too. The next reference comes before a lost
     # one could be sent again, so its publisher need not ask again and again what has arrived.
-    **dict.fromkeys(('joint_states', 'measured_wrench', 'joint_reference'), _MEASURED),
+    **dict.fromkeys(('joint_states', 'measured_wrench'), _MEASURED),
+    # Of the first reference of a motion and the last one before it none is overwritten.
+    'joint_reference': TopicQos(STATE, (SENSOR,), REFERENCE),
     'motion_progress': TopicQos(STATE, (STREAM,), STREAM),
     **dict.fromkeys(('teach_twist', 'teach_joints'), _one(STREAM)),
     # A trigger needs the pose that was sent last, perhaps once.

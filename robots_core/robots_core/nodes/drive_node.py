@@ -21,7 +21,6 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.periodic.realtime import processor_share
-from robots_core.periodic.resting_rate import RestingRate
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
@@ -31,6 +30,7 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_stream import JointStateStream
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_reader import ReferenceReader
+from robots_core.ros.streams.resting_rate_parameter import resting_rate_parameter
 from robots_core.validation import Array
 
 if TYPE_CHECKING:
@@ -41,10 +41,6 @@ FAULTS = {
     'fault_frozen': 'axes whose encoders report one position from now on',
     'fault_lost': 'axes that are missing in joint_states',
 }
-
-
-# At the end of a motion, while drives settle, controller_node checks the feedback of each period.
-RESTED: Final = 0.5  # s
 
 
 class DriveNode(ManagedNode):
@@ -66,13 +62,7 @@ class DriveNode(ManagedNode):
             'FIFO priority of the loop where the system permits it; 0: none',
             bounds=PRIORITIES,
         )
-        resting_rate = self.parameter(
-            'resting_rate',
-            25.0,
-            'joint_states a second of axes that have stood for 0.5 s, Hz, at most `rate`; in simulated time '
-            'always `rate`',
-            bounds=(20.0, 2000.0),
-        )
+        self._resting = resting_rate_parameter(self, 'joint_states', rate)
         level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(
             'bandwidth',
@@ -138,8 +128,6 @@ class DriveNode(ManagedNode):
         self._rows: Array | None = None  # of the last valid reference
         self._reference = q, np.zeros_like(q)
         self._states = JointStateStream(self, 'joint_states')
-        seldom = 1 if self.simulated_time else max(1, int(rate / resting_rate))
-        self._resting = RestingRate(seldom, round(RESTED * rate))
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
             self._report(q, np.zeros_like(q))
         self._loop = self.start_loop(
@@ -186,7 +174,7 @@ class DriveNode(ManagedNode):
     def _step(self, now: float) -> None:
         self._carry()
         self._feel()
-        message = self._references.take()
+        references = [raw for raw, _ in self._references.take_all()]
         # After the reference: the controller switches the drives off before it sends one that stands still.
         power = self._power.take()
         if power is not None:
@@ -195,9 +183,11 @@ class DriveNode(ManagedNode):
         if self._bodies is not None:
             self._bodies.before_step()
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
-        if message is not None:
+        for raw in references:
             with self.refusing('joint_reference'):
-                reference = self._read(message)
+                reference = read = self._read(raw)
+                if raw is not references[-1]:
+                    self._supervised.overtaken(now, *read)
         measured = self._supervised.step(now, *reference, sender_period=self._reader.lead)
         if self._resting.due(resting=self._supervised.standing):
             self._report(*measured)

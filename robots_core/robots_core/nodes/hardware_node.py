@@ -112,7 +112,7 @@ class HardwareNode(RobotNode):
 
     def _step(self, now: float) -> None:
         self._measure()
-        raw = self._references.take()
+        references = [raw for raw, _ in self._references.take_all()]
         # After the reference: the controller switches the drives off before it sends one that stands still.
         power = self._power.take()
         if power is not None:
@@ -125,13 +125,19 @@ class HardwareNode(RobotNode):
             self._publish_running()
         supervised.power(on=self._on and not self._stop.reason)
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
-        if raw is not None:
+        for raw in references:
             with self.refusing('joint_reference'):
-                rows, stamp = self._reader.read(raw)
-                reference = self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
+                reference = read = self._read(raw)
+                if raw is not references[-1]:
+                    supervised.overtaken(now, *read)
         supervised.step(now, *reference, sender_period=self._reader.lead)
         self._send(drives.command)
         self._report(self._stop.reason or self._unserved or supervised.problem)
+
+    def _read(self, raw: bytes) -> tuple[Array, Array, float]:
+        """Position and velocity (n,) of a reference, and its stamp, s."""
+        rows, stamp = self._reader.read(raw)
+        return self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
 
     def _send(self, command: tuple[Array, Array] | None) -> None:
         action, failed = self._action, bool(self._stop.failure)

@@ -81,6 +81,11 @@ class ReferenceCheck:
         self._take(now, q, now)
         self._mean, self._span = mean, self._period
 
+    def stood(self, now: float, stamp: float) -> None:
+        """The last reference was sent again, after any time: it has stood until then; as for `problem`."""
+        self._take(now, self.last, stamp)
+        self._mean, self._span = self._still, self._period
+
     def problem(self, now: float, q: Array, q_dot: Array, stamp: float, sender_period: float = 0.0) -> str:
         """Why the axes could not follow, for a person; '' if they can.
 

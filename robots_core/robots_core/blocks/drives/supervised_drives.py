@@ -46,7 +46,8 @@ class SupervisedDrives:
     refused (`ReferenceCheck`). A reference that is missing is extrapolated; the next one is caught up with,
     inside the velocity limits and with `RESERVE` more than the acceleration limits. Without references, and
     when they are switched off, the drives ramp down inside the acceleration limits, and their brakes close
-    after the timeout; with references that come back meanwhile they catch up.
+    after the timeout; with references that come back meanwhile they catch up. After a reference that stands
+    none is missing until the timeout: their sender may leave out those that would be the same.
 
     Args:
         drives: The drives, at rest.
@@ -125,26 +126,18 @@ class SupervisedDrives:
         due = now if stamp is None else stamp or -np.inf
         accepted = q is not None and q_dot is not None and self._accepts(now, q, q_dot, due, sender_period)
         self._watchdog.check(now, alive=accepted)
-        if accepted and self._is_settled(q, q_dot):
+        left_out = q is None and self._on and not self._watchdog.lost and self._reference_stands
+        if self._settled is not None and (left_out or (accepted and self._is_settled(q, q_dot))):
             return self.drives.position, self.drives.velocity
         self._settled = None
         if accepted:
             assert q is not None
             assert q_dot is not None
-            self._silent, self.problem = 0, ''
-            if self.state is DriveState.BRAKED:
-                self.drives.rest()  # what they hold may weigh more than when the brakes closed
-                self._stand()
-                self.state = DriveState.CATCHING_UP
-            self._target, self._target_dot = q, q_dot
-        else:
-            self._silent += 1
-            if self.state is DriveState.BRAKED:
-                return self.drives.hold()
-            if self._silent <= MAX_EXTRAPOLATED and self._on:
-                self._target = self._inside(self._target + self._period * self._target_dot)
-            else:
-                self.state = DriveState.RAMPING
+            self._receive(q, q_dot)
+        elif not left_out:
+            self._miss()
+        if self.state is DriveState.BRAKED:
+            return self.drives.hold()
         before = self.drives.position, self.drives.velocity
         if self.state is DriveState.FOLLOWING and self._reaches(self._target):
             self._move(self._target, self._target_dot)
@@ -153,12 +146,20 @@ class SupervisedDrives:
         else:
             self._ramp_down()
         position, velocity = self.drives.step(self._q, self._q_dot)
-        if accepted and self._stays(before):
+        if (accepted or left_out) and self._stays(before):
             self._settled = self._target
         if self.state is DriveState.RAMPING and self._may_brake(velocity):
             self._brake()
             return self.drives.position, self.drives.velocity
         return position, velocity
+
+    def overtaken(self, now: float, q: Array, q_dot: Array, stamp: float) -> None:
+        """Before a step: a reference has come that a newer one has overtaken; for the arguments see `step`.
+
+        If it still stands, the newer one is judged by its stamp.
+        """
+        if self._reference_stands and not q_dot.any() and np.array_equal(q, self._target):
+            self._check.stood(now, stamp)
 
     def ahead(self, references: Array) -> int:
         """How many of the next references are followed as they come.
@@ -208,6 +209,23 @@ class SupervisedDrives:
         else:
             check.take(now, q, stamp)
         return True
+
+    def _receive(self, q: Array, q_dot: Array) -> None:
+        self._silent, self.problem = 0, ''
+        if self.state is DriveState.BRAKED:
+            self.drives.rest()  # what they hold may weigh more than when the brakes closed
+            self._stand()
+            self.state = DriveState.CATCHING_UP
+        self._target, self._target_dot = q, q_dot
+
+    def _miss(self) -> None:
+        self._silent = MAX_EXTRAPOLATED + 1 if self._watchdog.lost else self._silent + 1
+        if self.state is DriveState.BRAKED:
+            return
+        if self._silent <= MAX_EXTRAPOLATED and self._on:
+            self._target = self._inside(self._target + self._period * self._target_dot)
+        else:
+            self.state = DriveState.RAMPING
 
     def _away(self, q: Array, q_dot: Array) -> str:
         """Why the brakes stay closed."""
@@ -263,6 +281,13 @@ class SupervisedDrives:
         self.state = DriveState.BRAKED
         self._stand()
         self.problem = self.problem or ('the references have ended' if self._on else 'switched off')
+
+    @property
+    def _reference_stands(self) -> bool:
+        """The drives follow a reference that was the same before."""
+        if self._settled is not None:
+            return True
+        return self.state is DriveState.FOLLOWING and not (self._target_dot.any() or self._mean.any())
 
     def _is_settled(self, q: Array | None, q_dot: Array | None) -> bool:
         return q is not None and q is self._settled and q_dot is self._target_dot

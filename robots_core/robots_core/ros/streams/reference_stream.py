@@ -7,6 +7,7 @@ from typing import Final
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.periodic.resting_rate import RestingRate
 from robots_core.ros.lockstep.counted_endpoints import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.messages import BUILD
@@ -31,6 +32,9 @@ class ReferenceStream:
         topic: Topic name.
         names: Joint names, n of them.
         time_from_start: The point's time, s.
+        resting: When a reference that is the same as the one before is sent; by default always. Before one
+            that differs, the last one is sent at the time at which it was left out: of each motion the stream
+            has the moment before it.
     """
 
     def __init__(
@@ -40,6 +44,7 @@ class ReferenceStream:
         names: Sequence[str],
         *,
         time_from_start: float,
+        resting: RestingRate | None = None,
     ) -> None:
         self._publisher = make_publisher(node, JointTrajectory, topic)
         if isinstance(self._publisher, CountedPublisher):
@@ -55,6 +60,8 @@ class ReferenceStream:
         self._offset = _offset_to_time_of_day()
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
+        self._resting = RestingRate(1, 0) if resting is None else resting
+        self._left_out: float | None = None
 
     def publish(self, reference: Array, deadline: float) -> None:
         """Publish a reference.
@@ -64,14 +71,28 @@ class ReferenceStream:
             deadline: When it was due, s on the clock of `TimedNode.now`: the message's stamp. Two stamps are
                 as far apart as their deadlines, whatever the jitter of sending.
         """
+        stands = reference is self._last  # the controller makes no new one
+        if not self._resting.due(resting=stands):
+            self._left_out = deadline
+            return
+        if not stands:
+            if self._left_out is not None:
+                self._send(self._left_out)
+            self._serialized.rows[:] = self._last = reference
+        self._left_out = None
+        self._send(deadline)
+
+    def restart(self) -> None:
+        """Publish each reference again, as if the last one had moved."""
+        self._resting.restart()
+
+    def _send(self, deadline: float) -> None:
         if self._simulated:
             nanoseconds = round(NANOSECONDS * deadline)
         else:
             if abs(time.time_ns() - time.monotonic_ns() - self._offset) > CLOCK_STEP:
                 self._offset = _offset_to_time_of_day()
             nanoseconds = self._offset + int(NANOSECONDS * deadline)
-        if reference is not self._last:  # one that stands is the same from period to period
-            self._serialized.rows[:] = self._last = reference
         self._publish(self._serialized.stamped(nanoseconds))
 
 

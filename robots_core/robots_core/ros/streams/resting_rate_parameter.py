@@ -1,0 +1,23 @@
+"""The parameter `resting_rate` of nodes that send what has not changed for a while seldom."""
+
+from robots_core.periodic.resting_rate import LOWEST, RESTED, RESTING_RATE, RestingRate
+from robots_core.ros.robot_node import RobotNode
+
+
+def resting_rate_parameter(node: RobotNode, topic: str, rate: float) -> RestingRate:
+    """Declare `resting_rate`, and make of it what says when a message is due.
+
+    Args:
+        node: The node.
+        topic: What it sends.
+        rate: Of its loop, Hz.
+    """
+    value = node.parameter(
+        'resting_rate',
+        RESTING_RATE,
+        f'{topic} a second of axes that have stood for {RESTED:g} s, Hz, at most `rate`; in simulated time '
+        'always `rate`',
+        bounds=(LOWEST, 2000.0),
+    )
+    every = 1 if node.simulated_time else max(1, int(rate / value))
+    return RestingRate(every, round(RESTED * rate))
