@@ -2,13 +2,14 @@
 
 import contextlib
 import math
+import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, Protocol
 
-from robots_controller.control.controller import Controller
+from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.span import Span
@@ -84,6 +85,7 @@ class ControlLoop:
         self._progress_every = progress_every
         self._watchdog, self._processor_share = watchdog, processor_share
         self._mailbox: deque[Callable[[float], None]] = deque()
+        self._came = threading.Event()
         self._coming: list[_ComingMotion] = []  # in the mailbox
         self.cycle = 0
         """Number of the next cycle."""
@@ -104,6 +106,34 @@ class ControlLoop:
         """Nothing moves the robot, and no motion waits for the next cycle."""
         return self.controller.standing and not self._coming
 
+    # -- rest -----------------------------------------------------------------------------------------
+
+    @property
+    def idle_cycles(self) -> int:
+        """So many cycles from the next one on have nothing to do if nothing comes."""
+        controller, rates = self.controller, self._rates
+        if (
+            self._mailbox
+            or controller.speed.zones is not None
+            or controller.state is not ControllerState.HOLDING
+        ):
+            return 0
+        return min(-self.cycle % rates.holding_every, rates.look_every - 1)
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until something comes, at most for `timeout`, s; whether it has come."""
+        came = self._came.wait(timeout)
+        self._came.clear()
+        return came
+
+    def wake(self) -> None:
+        """Let the next cycle come soon: something has come that is not in the mailbox."""
+        self._came.set()
+
+    def _put(self, request: Callable[[float], None]) -> None:
+        self._mailbox.append(request)
+        self._came.set()
+
     # -- requests -------------------------------------------------------------------------------------
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
@@ -116,19 +146,19 @@ class ControlLoop:
         cap, borders = controller.speed.cap(trajectory), controller.speed.borders(trajectory)
         motion = _ComingMotion(trajectory, id_, join_time, cap, borders)
         self._coming.append(motion)
-        self._mailbox.append(partial(self._follow, motion))
+        self._put(partial(self._follow, motion))
 
     def stream(self, point: StreamPoint, id_: str) -> None:
         """Follow a point of a stream, see `Controller.stream`."""
-        self._mailbox.append(partial(self._stream, point, id_))
+        self._put(partial(self._stream, point, id_))
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""
-        self._mailbox.append(lambda _: self.controller.speed.set_override(value))
+        self._put(lambda _: self.controller.speed.set_override(value))
 
     def set_scaling(self, value: float) -> None:
         """The part of their speed at which the drives follow, 0..1."""
-        self._mailbox.append(lambda _: self.controller.speed.set_scaling(value))
+        self._put(lambda _: self.controller.speed.set_scaling(value))
 
     def change_caps(self) -> None:
         """Recompute how fast the frames may follow the motions that there are."""
@@ -136,19 +166,19 @@ class ControlLoop:
         for coming in list(self._coming):
             coming.cap = controller.speed.cap(coming.trajectory)
         caps = [(motion, controller.speed.cap(motion.trajectory)) for motion in controller.motions]
-        self._mailbox.append(lambda _: _set_caps(caps))
+        self._put(lambda _: _set_caps(caps))
 
     def close_zones(self, closed: Collection[str]) -> None:
         """Close the borders of these zones, and open those of all others that can be opened."""
         zones = self.controller.speed.zones
         if zones is not None:
-            self._mailbox.append(lambda _: zones.close(closed))
+            self._put(lambda _: zones.close(closed))
 
     def receive_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
         """Take the states that another robot has published of the zones shared with it."""
         zones = self.controller.speed.zones
         if zones is not None:
-            self._mailbox.append(lambda _: zones.receive(robot, states))
+            self._put(lambda _: zones.receive(robot, states))
 
     def change_borders(self) -> None:
         """Search the paths of the motions that there are anew for the borders of zones."""
@@ -156,42 +186,42 @@ class ControlLoop:
         for coming in list(self._coming):
             coming.borders = controller.speed.borders(coming.trajectory)
         borders = [(motion, controller.speed.borders(motion.trajectory)) for motion in controller.motions]
-        self._mailbox.append(lambda _: _set_borders(borders))
+        self._put(lambda _: _set_borders(borders))
 
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop on the path and give up all motions; the next one may move."""
         if request == 'cancel':
-            self._mailbox.append(partial(self._cancel, CANCELED, resume=True))
+            self._put(partial(self._cancel, CANCELED, resume=True))
         else:
-            self._mailbox.append(partial(self._pause, paused=request == 'pause'))
+            self._put(partial(self._pause, paused=request == 'pause'))
 
     def cancel(self, reason: str) -> None:
         """Stop on the path and give up all motions for this reason; a pause stays."""
-        self._mailbox.append(partial(self._cancel, reason, resume=False))
+        self._put(partial(self._cancel, reason, resume=False))
 
     def stop(self, reason: str) -> None:
         """Stop on the path until `reset`, and end a pause."""
-        self._mailbox.append(partial(self._stop, reason))
+        self._put(partial(self._stop, reason))
 
     def stop_before_collision(self) -> None:
         """Stop before an obstacle, see `Controller.stop_before_collision`; a pause stays."""
-        self._mailbox.append(self.controller.stop_before_collision)
+        self._put(self.controller.stop_before_collision)
 
     def ended(self, result: MotionResult) -> None:
         """Take the end of a motion, its planner's too, see `BlockedMotion.end`."""
         if not (result.ok or result.blocked):
-            self._mailbox.append(lambda _: self.controller.blocked.end(result.id, result.message))
+            self._put(lambda _: self.controller.blocked.end(result.id, result.message))
 
     def trip(self, fault: Fault, reason: str, *, stands: bool = False) -> None:
         """Stop by a fault, see `Controller.trip`."""
-        self._mailbox.append(partial(self.controller.trip, fault, reason, stands=stands))
+        self._put(partial(self.controller.trip, fault, reason, stands=stands))
 
     def watch(self, fault: Fault, reason: str) -> None:
         """Stop by a fault whose reason stays; '' says that it is gone, and the stop stays until `reset`."""
         if reason:
             self.trip(fault, reason, stands=True)
         else:
-            self._mailbox.append(lambda _: self.controller.stops.clear(fault))
+            self._put(lambda _: self.controller.stops.clear(fault))
 
     def node_changed(self, fault: Fault, reason: str) -> None:
         """A node is lost, whose loss is this fault, or is back: ''."""
@@ -212,7 +242,7 @@ class ControlLoop:
 
     def wait_for(self, awaited: str) -> None:
         """Let no motion start without this, see `Controller.awaited`; '' if nothing is missing."""
-        self._mailbox.append(partial(self._wait_for, awaited))
+        self._put(partial(self._wait_for, awaited))
 
     def release(self, fault: Fault) -> None:
         """End the cause of a fault; the robot may move again unless another fault holds it.
@@ -221,7 +251,7 @@ class ControlLoop:
             RobotsError: it moves, or another cause is still there.
         """
         self.controller.check_reset(excluding=fault)
-        self._mailbox.append(partial(self._release, fault))
+        self._put(partial(self._release, fault))
 
     def reset(self) -> None:
         """Let the robot move again after a fault.
@@ -230,7 +260,7 @@ class ControlLoop:
             RobotsError: it moves, or the cause is still there.
         """
         self.controller.check_reset()
-        self._mailbox.append(self._reset)
+        self._put(self._reset)
 
     # -- the loop -------------------------------------------------------------------------------------
 

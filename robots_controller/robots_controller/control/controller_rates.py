@@ -3,6 +3,7 @@
 from typing import Final
 
 from robots_controller.control.controller import Controller, ControllerState
+from robots_core.periodic.watchdog import CHECKS
 
 PROGRESS_RATE: Final = 25.0  # Hz
 # Feedback shows that the robot is alive and, while it moves, that it follows; looking more often only costs
@@ -34,6 +35,8 @@ class ControllerRates:
         self._feedback_every = self._settling_every * cycles(checks, max(FEEDBACK_RATE, least))
         self.holding_every = self._settling_every * cycles(checks, max(HOLDING_RATE, least))
         """The feedback of a robot that stands is checked each so many cycles."""
+        self.look_every = cycles(rate, CHECKS / feedback_timeout)
+        """The watchdog of the feedback looks at least each so many cycles."""
 
     def feedback_due(self, cycle: int, controller: Controller) -> bool:
         """The controller checks the feedback in this cycle."""

@@ -24,6 +24,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.nodes.controller.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller.controller_parameters import settings_by_parameters
+from robots_controller.nodes.controller.controller_rest import ControllerRest
 from robots_controller.nodes.controller.earlier_start import earlier_start
 from robots_controller.nodes.controller.foreign_writers import ForeignWriters
 from robots_controller.nodes.controller.watched_nodes import WatchedNodes
@@ -176,6 +177,7 @@ class ControllerNode(ManagedNode):
             name='controller',
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
+            rest=ControllerRest(self._control, self._references, self._health_every),
         )
 
     def held_up(self, silence: float) -> None:
@@ -210,7 +212,7 @@ class ControllerNode(ManagedNode):
 
     def _step(self, now: float) -> None:
         control = self._control
-        if self.simulated_time and control.feedback_due:
+        if control.feedback_due and self._position is None:
             self._position = self._take_feedback()
         reference = control.step(now, self._position)
         if not self._controller.stops.state.drives_on:

@@ -19,6 +19,7 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
+from robots_core.nodes.drive_rest import DriveRest
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
@@ -27,6 +28,7 @@ from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.running.run import run
+from robots_core.ros.streams.arrivals import Arrivals
 from robots_core.ros.streams.joint_state_stream import JointStateStream
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_reader import ReferenceReader
@@ -131,9 +133,18 @@ class DriveNode(ManagedNode):
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
             self._report(q, np.zeros_like(q))
         self._loop = self.start_loop(
-            self._step, period=self._period, name='drives', realtime_priority=priority
+            self._step,
+            period=self._period,
+            name='drives',
+            realtime_priority=priority,
+            rest=self._rest(watchdog) if self._bodies is None else None,
         )
         self._report_problem()
+
+    def _rest(self, watchdog: float) -> DriveRest:
+        taken = (self._references, self._power, self._settings, self._wrenches)
+        arrivals = Arrivals(self, [one for one in taken if one is not None])
+        return DriveRest(self._supervised, self._resting, arrivals, period=self._period, watchdog=watchdog)
 
     def _declare_faults(self) -> None:
         check = partial(known_axes, self.robot.axes_data.names)
@@ -189,7 +200,7 @@ class DriveNode(ManagedNode):
                 if raw is not references[-1]:
                     self._supervised.overtaken(now, *read)
         measured = self._supervised.step(now, *reference, sender_period=self._reader.lead)
-        if self._resting.due(resting=self._supervised.standing):
+        if self._resting.due(resting=self._supervised.standing, early=bool(references)):
             self._report(*measured)
         if self._bodies is not None:
             self._bodies.after_step()

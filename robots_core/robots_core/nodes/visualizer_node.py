@@ -13,6 +13,7 @@ from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
+from robots_core.ros.streams.joint_state_reader import JointStateReader
 
 MAX_RATE = 100.0  # Hz
 
@@ -39,7 +40,8 @@ class VisualizerNode(RobotNode):
         subscribe(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock)
+        self._reader = JointStateReader(self.robot.axes_data.names)
+        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock, raw=True)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 
@@ -48,9 +50,8 @@ class VisualizerNode(RobotNode):
         """Address of the page."""
         return self._visualizer.url
 
-    def _update(self, message: JointState) -> None:
-        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        self._visualizer.follow(q)
+    def _update(self, raw: bytes) -> None:
+        self._visualizer.follow(self._reader.position(raw))
         self.ready(url=self.url)
 
     def _show_ghost(self, message: JointState) -> None:

@@ -1,12 +1,27 @@
 """A thread that calls a function on absolute deadlines."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS
 from robots_core.periodic.realtime import ask_for_realtime, idle_latency
 from robots_core.validation import positive
+
+
+class Rest(Protocol):
+    """Which periods a thread may sleep through because its work has nothing to do; called from the thread."""
+
+    def periods(self) -> int:
+        """So many from the next one on have nothing to do if nothing comes."""
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until something comes for the work, at most for `timeout`, s; whether it has come."""
+
+    def left_out(self, periods: int) -> None:
+        """So many were left out."""
 
 
 class PeriodicThread:
@@ -24,6 +39,7 @@ class PeriodicThread:
             ros2_control does; without the permission the thread runs as any other. 0 does not ask.
         idle_latency: Longest time that a processor may take to wake up, s, asked of the system while the
             thread runs (see `idle_latency`); None does not ask.
+        rest: Periods that may be left out; none by default.
     """
 
     def __init__(
@@ -35,6 +51,7 @@ class PeriodicThread:
         on_error: Callable[[BaseException], None],
         realtime_priority: int = 0,
         idle_latency: float | None = None,
+        rest: Rest | None = None,
     ) -> None:
         self.period = positive(period, 'period', 's')
         self.missed = 0
@@ -45,7 +62,7 @@ class PeriodicThread:
         """The system keeps to the idle latency that was asked for."""
         self._realtime_priority = realtime_priority
         self._idle_latency = idle_latency
-        self._work = work
+        self._work, self._rest = work, rest
         self._on_error = on_error
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._loop, name=name, daemon=True)
@@ -76,6 +93,7 @@ class PeriodicThread:
 
     def _keep_time(self) -> None:
         period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
+        rest = self._rest
         deadline = clock() + period
         while not stopped():
             now = clock()
@@ -87,3 +105,14 @@ class PeriodicThread:
                 deadline = now
             work(deadline)
             deadline += period
+            if rest is not None and (most := rest.periods()) > 0:
+                deadline += period * self._sleep_through(rest, most, deadline)
+
+    def _sleep_through(self, rest: Rest, most: int, deadline: float) -> int:
+        """How many periods from a deadline on were left out."""
+        left_out = most
+        if rest.wait(deadline + most * self.period - time.monotonic()):
+            late = (time.monotonic() - deadline) / self.period
+            left_out = min(max(math.ceil(late), 0), most)
+        rest.left_out(left_out)
+        return left_out

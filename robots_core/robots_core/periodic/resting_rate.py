@@ -24,13 +24,33 @@ class RestingRate:
 
     def __init__(self, every: int, after: int) -> None:
         self._every, self._after = every, after
-        self._rested = 0
+        self._rested = self._reported = 0  # cycles since it began to rest
 
-    def due(self, *, resting: bool) -> bool:
-        """A report is due in this cycle; to be called once in each."""
+    def due(self, *, resting: bool, early: bool = False) -> bool:
+        """A report is due in this cycle; to be called once in each.
+
+        Args:
+            resting: It rests.
+            early: If half of the time has passed, the report is due now.
+        """
         self._rested = self._rested + 1 if resting else 0
-        return self._rested <= self._after or (self._rested - self._after) % self._every == 0
+        waited = self._rested - self._reported
+        due = self._rested <= self._after or waited >= self._every or (early and 2 * waited >= self._every)
+        if due:
+            self._reported = self._rested
+        return due
+
+    @property
+    def ahead(self) -> int:
+        """So many cycles from the next one on, if it rests in all of them, no report is due."""
+        if self._rested < self._after:
+            return 0
+        return max(0, self._reported + self._every - self._rested - 1)
+
+    def pass_over(self, cycles: int) -> None:
+        """So many cycles at rest were left out, without reports."""
+        self._rested += cycles
 
     def restart(self) -> None:
         """Report one by one again, as if it had moved."""
-        self._rested = 0
+        self._rested = self._reported = 0

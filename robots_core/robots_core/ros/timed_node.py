@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 
 from robots_core.errors import InvalidInputError
-from robots_core.periodic.periodic_thread import PeriodicThread
+from robots_core.periodic.periodic_thread import PeriodicThread, Rest
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.timed_work import ScheduledLoop
@@ -130,6 +130,7 @@ class TimedNode(Node):
         idle_latency: float | None = None,
         phase: Phase | None = None,
         next_time: Callable[[], float] | None = None,
+        rest: Rest | None = None,
     ) -> Loop:
         """Call `work(now)` in each period.
 
@@ -145,6 +146,7 @@ class TimedNode(Node):
             phase: When in an instant of a lock-step run; the node's own by default.
             next_time: When the work has something to do, as far as is known before the next message, s: a
                 lock-step run leaves out earlier periods.
+            rest: Periods that the thread may leave out (see `PeriodicThread`); in simulated time none is.
         """
         loop: Loop
         if self.participant is not None:
@@ -160,6 +162,7 @@ class TimedNode(Node):
                 realtime_priority=realtime_priority,
                 idle_latency=idle_latency,
                 on_error=self.thread_failed,
+                rest=rest,
             )
             thread.start()
         self._running = [one for one in self._running if one.alive] + [loop]

@@ -114,6 +114,7 @@ class CommanderServices:
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)
+        self._control.wake()
 
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:
@@ -125,3 +126,4 @@ class CommanderServices:
     def _publish(self) -> None:
         self._commander_publisher.publish(String(data=self._authority.commander.value))
         self._mode_publisher.publish(String(data=self._authority.mode.value))
+        self._control.wake()

@@ -96,10 +96,16 @@ class SupervisedDrives:
             return True
         return self._slow(self.drives.velocity) and not self._q_dot.any()
 
+    @property
+    def settled(self) -> bool:
+        """No step changes anything until a reference comes, the drives are switched off or time is out."""
+        return self._settled is not None
+
     def power(self, *, on: bool) -> None:
         """Switch the drives on or off; off, they ramp down and brake."""
         if on != self._on:
             self.problem = ''
+            self._settled = None
             self._check.forget()
         self._on = on
 

@@ -54,6 +54,11 @@ class PolledSubscription:
         self.received = 0
         """When the message of a stream that was taken last arrived, ns on the clock of this system."""
 
+    @property
+    def handle(self) -> Any:
+        """The subscription, as wait sets of rclpy take it."""
+        return self._subscription.handle
+
     def take(self) -> Any:
         """The newest message since the last call, or None."""
         newest = None

@@ -33,8 +33,8 @@ class ReferenceStream:
         names: Joint names, n of them.
         time_from_start: The point's time, s.
         resting: When a reference that is the same as the one before is sent; by default always. Before one
-            that differs, the last one is sent at the time at which it was left out: of each motion the stream
-            has the moment before it.
+            that differs, the last one is sent again if it was left out: of each motion the stream has the
+            period before it.
     """
 
     def __init__(
@@ -46,6 +46,7 @@ class ReferenceStream:
         time_from_start: float,
         resting: RestingRate | None = None,
     ) -> None:
+        self._period = time_from_start
         self._publisher = make_publisher(node, JointTrajectory, topic)
         if isinstance(self._publisher, CountedPublisher):
             self._publish = self._publisher.publish
@@ -61,7 +62,7 @@ class ReferenceStream:
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
         self._resting = RestingRate(1, 0) if resting is None else resting
-        self._left_out: float | None = None
+        self._left_out = False
 
     def publish(self, reference: Array, deadline: float) -> None:
         """Publish a reference.
@@ -73,14 +74,24 @@ class ReferenceStream:
         """
         stands = reference is self._last  # the controller makes no new one
         if not self._resting.due(resting=stands):
-            self._left_out = deadline
+            self._left_out = True
             return
         if not stands:
-            if self._left_out is not None:
-                self._send(self._left_out)
+            if self._left_out:
+                self._send(deadline - self._period)
             self._serialized.rows[:] = self._last = reference
-        self._left_out = None
+        self._left_out = False
         self._send(deadline)
+
+    @property
+    def ahead(self) -> int:
+        """So many of the next references are not sent if they are the same as the last one."""
+        return self._resting.ahead
+
+    def pass_over(self, references: int) -> None:
+        """So many were the same, and not sent."""
+        self._resting.pass_over(references)
+        self._left_out = True
 
     def restart(self) -> None:
         """Publish each reference again, as if the last one had moved."""

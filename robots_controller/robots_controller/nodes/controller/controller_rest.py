@@ -1,0 +1,32 @@
+"""ControllerRest: the loop of controller_node sleeps while the robot holds its position."""
+
+from robots_controller.control.control_loop import ControlLoop
+from robots_core.ros.streams.reference_stream import ReferenceStream
+
+
+class ControllerRest:
+    """See `Rest`: cycles in which no request waits, nothing is checked and no reference is sent are left out.
+
+    Args:
+        control: The loop.
+        references: Its references.
+        health_every: Health is looked at each so many cycles.
+    """
+
+    def __init__(self, control: ControlLoop, references: ReferenceStream, health_every: int) -> None:
+        self._control, self._references, self._health_every = control, references, health_every
+
+    def periods(self) -> int:
+        """See `Rest`."""
+        idle = self._control.idle_cycles
+        return idle and min(idle, self._references.ahead, -self._control.cycle % self._health_every)
+
+    def wait(self, timeout: float) -> bool:
+        """See `Rest`."""
+        return self._control.wait(timeout)
+
+    def left_out(self, periods: int) -> None:
+        """See `Rest`."""
+        if periods:
+            self._control.pass_over(periods)
+            self._references.pass_over(periods)
