@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from robots_core.errors import InvalidInputError
 from robots_core.ros.qos import COMMAND
 
-STANDING = 50  # references without velocity
+STANDING = 20  # references without velocity; 25 come a second
 MANY = QoSProfile(depth=10_000)
 # With the value from before.
 EVERY_STATE = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -29,7 +29,7 @@ AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
 FAST_DRIVES = {'bandwidth': [40.0]}
 # One process runs the test too, which no thread may push aside.
 OPTIONS = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
-STANDING = 50  # references that are the same
+STANDING = 20  # references that are the same; 25 come a second
 CRAWL = 0.02  # override: no machine comes too late for what happens on the way
 
 

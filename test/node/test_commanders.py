@@ -197,7 +197,7 @@ def test_a_change_to_automatic_pauses_a_program_until_it_is_resumed(t1: Commande
     t1.wait(lambda: t1.status[-1].get('hold') == 'pause', 'the pause')
     t1.wait(lambda: t1.modes[-1] == 'AUTOMATIC', 'the mode')
     count = len(t1.references)
-    t1.wait(lambda: len(t1.references) > count + 100, 'references')
+    t1.wait(lambda: len(t1.references) > count + 25, 'references')
     assert not any(any(point.velocities) for point in t1.references)
     assert t1.status[-1]['state'] == 'PAUSED'
     t1.command('resume')

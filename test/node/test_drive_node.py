@@ -23,6 +23,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_status, doubles, stamp_id
 from robots_core.ros.qos import STATE
+from robots_core.ros.streams.arrivals import Arrivals
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 from .bench import Bench
 
@@ -150,6 +152,34 @@ def test_axes_that_have_stood_for_a_while_are_reported_seldom(ros_nodes: Any):
     bench.wait(lambda: len(steps()) == 9 and steps().min() > 0.0199, 'states of axes at rest')
     bench.refer(HOME + 0.3, np.full(6, 0.1))
     bench.wait(lambda: 0.0 < steps().min() < 0.0041, 'states of each period')
+
+
+def test_drives_at_rest_sleep_until_a_reference_comes_and_report_when_it_has(ros_nodes: Any):
+    bench = DriveBench(ros_nodes, rate=250.0, resting_rate=20.0, watchdog=60.0)
+    bench.until_following()
+    bench.wait(lambda: bench.drive._supervised.settled, 'drives that have settled')
+    bench._reference = None
+    rest = bench.drive._rest(0.2)
+    bench.wait(lambda: rest.periods() > 5, 'a rest')
+    assert rest.periods() < 0.2 / (5 * 0.004)
+    count = len(bench.states)
+    bench.refer(HOME, once=True)
+    bench.wait(lambda: len(bench.states) > count, 'a report')
+    bench.refer(HOME + 1e-4, once=True)
+    bench.until_at(HOME + 1e-4)
+
+
+def test_a_loop_waits_for_messages_that_it_polls(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    polled = PolledSubscription(bench.peer, Bool, 'drives_on')
+    publisher = bench.publisher('drives_on', Bool, STATE)
+    arrivals = Arrivals(bench.peer, [polled])
+    assert not arrivals.wait(0.0)
+    publisher.publish(Bool(data=True))
+    assert arrivals.wait(60.0)
+    assert arrivals.wait(60.0)  # it was not taken
+    assert polled.take().data
+    assert not arrivals.wait(0.0)
 
 
 def test_the_payload_is_felt(ros_nodes: Any):

@@ -108,7 +108,7 @@ def test_follows_only_while_the_program_lets_a_sensor_guide_the_robot(ros_nodes:
     bench.wait(lambda: bench.ik.commanders.guide == 'NONE', 'the guide')
     bench.pose = Pose(POSE.r + np.array([0.0, 0.01, 0.0]), POSE.T)
     count = len(bench.references)
-    bench.wait(lambda: len(bench.references) > count + 100, 'references')
+    bench.wait(lambda: len(bench.references) > count + 25, 'references')
     assert not bench.stream
     bench.publish('guide', String(data='SENSOR'), STATE)
     bench.until_at(bench.pose)
@@ -120,7 +120,7 @@ def test_follows_only_while_nobody_else_commands_the_robot(ros_nodes: Any) -> No
     bench.wait(lambda: bench.ik.commanders.commander == 'REMOTE', 'the commander')
     bench.pose = Pose(POSE.r + np.array([0.0, 0.01, 0.0]), POSE.T)
     count = len(bench.references)
-    bench.wait(lambda: len(bench.references) > count + 100, 'references')
+    bench.wait(lambda: len(bench.references) > count + 25, 'references')
     assert not bench.stream
     bench.publish('guide', String(data='NONE'), STATE)
     assert bench.call('controller_node/take_over/sensor').success

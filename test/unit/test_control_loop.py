@@ -357,3 +357,43 @@ def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(rig: Rig, 
     result = rig.run_until_result()
     assert result.ok is (commander is Commander.PROGRAM)
     assert result.message == ('reached' if result.ok else 'silent')
+
+
+def test_cycles_that_have_nothing_to_do_may_be_left_out() -> None:
+    rig, other = Rig(), Rig()
+    steps = 0
+    while rig.loop.cycle < 200:
+        rig.loop.pass_over(rig.loop.idle_cycles)
+        rig.run(1)
+        steps += 1
+    other.run(rig.loop.cycle - other.loop.cycle)
+    assert rig.checks == other.checks
+    assert steps < 0.2 * rig.loop.cycle
+    for one in (rig, other):
+        one.begin(paused=True)
+        one.loop.request('resume')
+        assert one.run_until_result().ok
+    np.testing.assert_array_equal(rig.q, other.q)
+    assert rig.loop.cycle == other.loop.cycle
+
+
+def test_a_request_and_a_moving_robot_leave_out_nothing() -> None:
+    rig = Rig()
+    rig.run(1)
+    assert rig.loop.idle_cycles > 0
+    rig.loop.set_override(0.5)
+    assert rig.loop.idle_cycles == 0
+    rig.run(1)
+    assert rig.loop.idle_cycles > 0
+    rig.begin(paused=True)
+    assert rig.loop.idle_cycles == 0
+
+
+def test_a_loop_that_waits_is_woken_by_whatever_comes() -> None:
+    loop = Rig().loop
+    assert not loop.wait(0.0)
+    loop.request('pause')
+    assert loop.wait(60.0)
+    assert not loop.wait(0.0)
+    loop.wake()
+    assert loop.wait(60.0)

@@ -193,6 +193,53 @@ def test_a_loop_that_was_frozen_is_never_called_with_a_time_long_past(
     assert np.diff(calls).min() == pytest.approx(0.04)
 
 
+def test_a_loop_leaves_out_periods_until_something_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Clock:
+        now = 100.0
+
+        def monotonic(self) -> float:
+            return self.now
+
+        def sleep(self, duration: float) -> None:
+            self.now += duration
+
+    class Resting:
+        """After each call, so many periods have nothing to do, and something comes after a time."""
+
+        def __init__(self) -> None:
+            self.plan = [(0, None), (4, None), (4, 0.25), (4, 0.0), (3, 0.149), (0, None)]
+            self.passed: list[int] = []
+
+        def periods(self) -> int:
+            most, self.comes = self.plan.pop(0)
+            return most
+
+        def wait(self, timeout: float) -> bool:
+            clock.now += timeout if self.comes is None else self.comes
+            return self.comes is not None
+
+        def left_out(self, periods: int) -> None:
+            self.passed.append(periods)
+
+    clock, rest, calls = Clock(), Resting(), []
+    monkeypatch.setattr(periodic_thread, 'time', clock)
+
+    def work(deadline: float) -> None:
+        calls.append(deadline)
+        assert clock.now == pytest.approx(deadline)
+        if len(calls) == 6:
+            thread.stop()
+
+    failed: list[BaseException] = []
+    thread = PeriodicThread(work, period=0.1, name='rests', on_error=failed.append, rest=rest)
+    thread.start()
+    thread._thread.join()
+    assert failed == []
+    assert thread.missed == 0
+    assert rest.passed == [4, 2, 0, 1]
+    np.testing.assert_allclose(np.diff(calls), [0.1, 0.5, 0.3, 0.1, 0.2])
+
+
 def test_without_figures_each_process_has_a_processor(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
