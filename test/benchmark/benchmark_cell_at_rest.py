@@ -3,7 +3,7 @@
 Run by `make benchmark-cell-at-rest`; OPTIONS=--markdown prints the table of docs/explanation/benchmarks.md.
 A bare node publishes the messages of the node beside it at the same rates, by timers of rclpy, and subscribes
 to the same topics with callbacks that do nothing. Both groups run for the same time, one after the other.
-Then the references alone are received, for their gaps and how late they are.
+Then the references alone are received: while the robot moves, their gaps and how late they are are shown.
 
 --moving measures while a program moves the robot to and fro. --cells 10 starts ten cells, each in its own ROS
 domain, and prints what they take together. Other options are passed to `cell`, such as --composed and
@@ -329,7 +329,9 @@ def main() -> None:
         ready, ours, description, kept = measured_cell(cell_options, options.seconds)
     bare = Use() if options.no_peers else measured_bare(description, options.seconds)
     show(ours, bare, markdown=options.markdown)
-    print(f'\nready in {ready:.1f} s\n{kept.line}')
+    print(f'\nready in {ready:.1f} s')
+    if options.moving:
+        print(kept.line)
 
 
 if __name__ == '__main__':

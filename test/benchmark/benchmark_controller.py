@@ -128,7 +128,7 @@ def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> dict[st
     """Runs of each side: the timer, and the controller as it is and with processors that may sleep."""
     model = load_robot_model(robot)
     names = model.axes_data.names
-    parameters = {'robot_model': robot, 'rate': rate}
+    parameters = {'robot_model': robot, 'rate': rate, 'resting_rate': rate}  # the robot stands all the time
     timer = [sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)]
     commands = {TIMER: timer}
     for side, options in {CONTROLLER: {}, ASLEEP: {'idle_latency': -1.0}}.items():

@@ -22,6 +22,7 @@ from soak.figures import (
     LoopFigures,
     MemoryFigures,
     SoakFigures,
+    loop_figures,
     memory_figures,
 )
 from soak.page import soak_page
@@ -34,7 +35,7 @@ HOUR = 3600.0  # s
 
 def loop(late: np.ndarray | None = None) -> LoopFigures:
     late = np.full(COUNT, 1e-4) if late is None else late
-    return LoopFigures('joint_reference', PERIOD * np.arange(late.size), late)
+    return LoopFigures('joint_reference', PERIOD * np.arange(late.size), late, np.empty(0))
 
 
 def memory(slope: float, name: str = 'planning_node') -> MemoryFigures:
@@ -81,8 +82,11 @@ def test_periods_are_missed_that_come_too_late_and_few_are_within_the_goal() -> 
 def test_gaps_are_where_messages_are_missing() -> None:
     kept = np.delete(PERIOD * np.arange(100), [10, 50, 51])
     kept = np.append(kept, kept[-1] + 5 * PERIOD * np.arange(1, 10))  # at rest
-    gaps = LoopFigures('joint_states', kept, np.zeros(kept.size), 5 * PERIOD).gaps
-    np.testing.assert_allclose(gaps, [2 * PERIOD, 3 * PERIOD])
+    moved = np.arange(kept.size) < 96
+    loop = loop_figures('joint_states', kept, 1e-3 * ~moved, moved)
+    np.testing.assert_allclose(loop.gaps, [2 * PERIOD, 3 * PERIOD])
+    assert loop.late.size == loop.due.size == 96
+    assert loop.worst == 0.0
 
 
 def test_memory_is_looked_at_after_the_warm_up() -> None:
@@ -129,7 +133,7 @@ def test_the_page_needs_nothing_else_and_shows_what_went_wrong() -> None:
 
 
 def test_a_run_that_failed_at_once_has_a_page_too() -> None:
-    nothing = LoopFigures('joint_reference', np.empty(0), np.empty(0))
+    nothing = LoopFigures('joint_reference', np.empty(0), np.empty(0), np.empty(0))
     assert 'not started' in soak_page(figures(problems=('not started',), loops=(nothing,), memory=()))
 
 

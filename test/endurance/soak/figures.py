@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.validation import Array
 
@@ -22,19 +23,19 @@ MOST_MISSED: Final = 1e-4  # of all periods: a goal
 
 @dataclass(frozen=True, eq=False)
 class LoopFigures:
-    """How late a loop sent its messages.
+    """How late a loop sent the messages of a robot that moves.
 
     Attributes:
         name: Its topic.
         due: (k,) s since the start, when they were due.
         late: (k,) s.
-        resting: Time between two messages of a robot that stands, s; one step of that length is no gap.
+        gaps: Lengths of the gaps between messages that were due, s.
     """
 
     name: str
     due: Array
     late: Array
-    resting: float = PERIOD
+    gaps: Array
 
     @property
     def percentiles(self) -> tuple[float, ...]:
@@ -50,13 +51,6 @@ class LoopFigures:
     def missed(self) -> int:
         """Periods whose message came too late."""
         return int((self.late > LATE).sum())
-
-    @property
-    def gaps(self) -> Array:
-        """Lengths of the gaps between messages that were due, s."""
-        steps = np.diff(self.due)
-        resting = np.abs(steps - self.resting) < 0.5 * PERIOD
-        return np.asarray(steps[(steps > GAP * PERIOD) & ~resting])
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +122,22 @@ class SoakFigures:
             if self.duration >= MEANINGFUL and one.slope > one.largest_slope
         ]
         return (*self.problems, *late, *growing)
+
+
+def loop_figures(name: str, due: Array, late: Array, moved: NDArray[np.bool_]) -> LoopFigures:
+    """The figures of all messages of a topic.
+
+    Messages that are the same as the one before come seldom, and one is sent again before a motion begins.
+
+    Args:
+        name: The topic.
+        due: (m,) s since the start, when they were due.
+        late: (m,) s.
+        moved: (m,) whether a message differs from the one before.
+    """
+    steps = np.diff(due)
+    gaps = steps[(steps > GAP * PERIOD) & moved[:-1]]
+    return LoopFigures(name, due[moved], late[moved], gaps)
 
 
 def memory_figures(samples: Sequence[tuple[float, Mapping[str, float]]]) -> tuple[MemoryFigures, ...]:

@@ -1,7 +1,10 @@
 """Worker: what people and a PLC do at a cell all day, and what they see of it."""
 
+from __future__ import annotations
+
 import time
 from array import array
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -14,19 +17,28 @@ from trajectory_msgs.msg import JointTrajectory
 
 from cell_operator import CellOperator, answer_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP
+from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, STAMP_END
 from robots_core.ros.qos import STREAM
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 
-from .figures import PERIOD, LoopFigures
+from .figures import LoopFigures, loop_figures
 
 EVERY: Final = QoSProfile(depth=5000)
 TOPICS: Final = {'joint_reference': JointTrajectory, 'joint_states': JointState}
-RESTING: Final = {'joint_reference': PERIOD, 'joint_states': 0.02}  # s between two messages at rest
 JOG_SPEED: Final = 0.1  # rad/s (m/s)
 JOG_PERIOD: Final = 0.04  # s
 REQUEST: Final = 0b10  # bit of the PLC's word
 TOGGLE: Final = 0.2  # s between two changes of an input that nothing waits for
+
+
+@dataclass
+class Seen:
+    """Messages of one topic: when they were due, how late, s, and whether they differ from those before."""
+
+    due: array[float] = field(default_factory=lambda: array('d'))
+    late: array[float] = field(default_factory=lambda: array('d'))
+    moved: array[int] = field(default_factory=lambda: array('b'))
+    content: bytes = b''
 
 
 class Worker(CellOperator):
@@ -44,7 +56,7 @@ class Worker(CellOperator):
             topic: PolledSubscription(self._node, kind, topic, EVERY, raw=True)
             for topic, kind in TOPICS.items()
         }
-        self._seen = {topic: (array('d'), array('d')) for topic in TOPICS}
+        self._seen = {topic: Seen() for topic in TOPICS}
         self._words = PolledSubscription(self._node, UInt8, 'plc/word', STREAM)
         self._inputs = self._node.create_publisher(UInt8, 'plc/inputs', 10)
         self._jog = self._node.create_publisher(JointState, 'teach_joints', 1)
@@ -60,16 +72,18 @@ class Worker(CellOperator):
         """Forget what was seen while the cell started."""
         with self._lock:
             self._origin = time.time()
-            self._seen = {topic: (array('d'), array('d')) for topic in TOPICS}
+            self._seen = {topic: Seen() for topic in TOPICS}
 
     def poll(self) -> None:
         """Note what came, and answer as the PLC."""
         for topic, stream in self._streams.items():
-            due, late = self._seen[topic]
+            seen = self._seen[topic]
             for data, info in stream.take_all():
-                stamp = self._stamp(data)
-                due.append(stamp - self._origin)
-                late.append(1e-9 * info['source_timestamp'] - stamp)
+                stamp, content = self._stamp(data), data[STAMP_END:]
+                seen.due.append(stamp - self._origin)
+                seen.late.append(1e-9 * info['source_timestamp'] - stamp)
+                seen.moved.append(content != seen.content)
+                seen.content = content
         word = self._words.take()
         if word is not None:
             self._request = int(bool(word.data & REQUEST))
@@ -106,8 +120,8 @@ class Worker(CellOperator):
         """How late everything was sent."""
         with self._lock:
             return tuple(
-                LoopFigures(topic, np.array(due), np.array(late), RESTING[topic])
-                for topic, (due, late) in self._seen.items()
+                loop_figures(topic, np.array(seen.due), np.array(seen.late), np.array(seen.moved, bool))
+                for topic, seen in self._seen.items()
             )
 
     @staticmethod
