@@ -18,6 +18,7 @@ from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.drives.reference_check import STAMP_ERROR
 from robots_core.blocks.zones.zone_passages import MARGIN
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS
+from robots_core.periodic.resting_rate import RESTED, RESTING_RATE
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 from robots_planning.verification.trajectory_verification import (
@@ -58,10 +59,11 @@ def test_the_margins_are_those_of_the_stages() -> None:
 def test_the_rates_are_those_of_the_controller() -> None:
     title = 'The period of the controller'
     rates = [float(re.findall(r'[\d.]+', row[0])[0]) for row in table(CLOCKS, title)[1:]]
-    assert rates == [SETTLING_RATE, FEEDBACK_RATE, HOLDING_RATE, PROGRESS_RATE]
+    assert rates == [SETTLING_RATE, FEEDBACK_RATE, HOLDING_RATE, PROGRESS_RATE, RESTING_RATE]
     text = section(CLOCKS, title)
     assert f'moving average of {1e3 * ControllerSettings().smoothing_time:g} ms' in text
     assert ['five'][MAX_LATE_PERIODS - 5] in text
+    assert f'have stood for {RESTED:g} s' in text
 
 
 def test_the_simulated_time_is_that_of_the_clock() -> None:

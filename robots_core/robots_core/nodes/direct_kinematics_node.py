@@ -20,6 +20,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
+from robots_core.ros.timed_node import SELDOM
 from robots_core.validation import finite_vector
 
 MAX_RATE = 1000.0  # Hz
@@ -28,6 +29,8 @@ NO_TOOL = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 class DirectKinematicsNode(RobotNode):
     """Publishes `tcp_pose` for the newest `joint_states`, at most `rate` times a second."""
+
+    heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:
         super().__init__('direct_kinematics_node', **options)

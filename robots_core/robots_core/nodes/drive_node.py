@@ -33,6 +33,7 @@ from robots_core.ros.streams.joint_state_stream import JointStateStream
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_reader import ReferenceReader
 from robots_core.ros.streams.resting_rate_parameter import resting_rate_parameter
+from robots_core.ros.timed_node import SELDOM
 from robots_core.validation import Array
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class DriveNode(ManagedNode):
     """
 
     phase = Phase.DRIVES
+    heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)

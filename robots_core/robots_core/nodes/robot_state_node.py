@@ -17,6 +17,7 @@ from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
+from robots_core.ros.timed_node import SELDOM
 
 MAX_RATE: Final = 1000.0  # Hz
 FRAMES: Final = {'tool': 'tool0', 'work': 'base'}
@@ -30,6 +31,7 @@ class RobotStateNode(RobotNode):
     """
 
     takes_part = False  # a display does not hold time
+    heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:
         super().__init__('robot_state_node', **options)

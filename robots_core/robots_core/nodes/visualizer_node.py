@@ -14,6 +14,7 @@ from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.timed_node import SELDOM
 
 MAX_RATE = 100.0  # Hz
 
@@ -27,6 +28,7 @@ class VisualizerNode(RobotNode):
     """
 
     takes_part = False  # a display does not hold time
+    heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:
         super().__init__('visualizer_node', **options)

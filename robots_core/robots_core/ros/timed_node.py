@@ -19,6 +19,11 @@ from robots_core.ros.lockstep.timed_work import ScheduledLoop
 from robots_core.ros.running.latched_guard_condition import LatchedGuardCondition
 from robots_core.ros.running.loop import Loop, on_clock_set
 
+OFTEN: Final = 0.04
+"""s between two signs of life of a node whose loss others notice within `watchdog`."""
+SELDOM: Final = 0.2
+"""s between two signs of life of a node that only `cell` watches."""
+
 
 class TimedNode(Node):
     """A node whose timers and loops follow the wall clock, `/clock`, or a lock-step coordinator.
@@ -39,6 +44,8 @@ class TimedNode(Node):
     """When in an instant of a lock-step run the loops and timers have their turn."""
     takes_part: ClassVar = True
     """Parameter `lockstep` has an effect."""
+    heartbeat_period: ClassVar = OFTEN
+    """s."""
     alone: ClassVar = False
     """Where another node has its name already, `run` ends it."""
     participant: Participant | None = None

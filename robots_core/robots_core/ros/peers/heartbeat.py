@@ -14,11 +14,10 @@ from robots_core.periodic.watchdog import CHECKS, LONGEST, SHORTEST, WATCHDOG, W
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.ros.timed_node import TimedNode
+from robots_core.ros.timed_node import OFTEN, TimedNode
 from robots_core.wording.safety_note import NOT_CERTIFIED
 
 HEARTBEAT: Final = 'heartbeat'
-PERIOD: Final = 0.04  # s
 MOST_CHECKS: Final = 8 * CHECKS
 """Looks within the timeout at a node that is about to be lost."""
 LONGEST_BETWEEN_CHECKS: Final = 0.2
@@ -45,7 +44,10 @@ class Heartbeat:
         self._message = serialize_message(UInt64(data=self.began))
         self._last = math.inf
         node.set_own_silence(lambda: max(0.0, time.monotonic() - self._last))
-        self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
+        self._longest = SHORTEST + node.heartbeat_period - OFTEN
+        self._thread = PeriodicThread(
+            self.beat, period=node.heartbeat_period, name=HEARTBEAT, on_error=node.thread_failed
+        )
         self._thread.start()
 
     def beat(self, now: float) -> None:
@@ -53,7 +55,7 @@ class Heartbeat:
         if not self._alive(now):
             return
         silence = now - self._last
-        if silence >= SHORTEST:
+        if silence >= self._longest:
             self._node.held_up(silence)
         self._last = now
         self._publisher.publish(self._message)
