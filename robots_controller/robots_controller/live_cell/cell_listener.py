@@ -114,9 +114,15 @@ class CellListener:
         prefix = self.monitor.get_namespace().rstrip('/')
         expected = [f'{prefix}/{name}' for name in nodes if name not in OBSERVERS]
         self._operator = CellOperator(namespace=self.monitor.get_namespace())
-        expected.append(self._operator.get_fully_qualified_name())
+        operator = self._operator.get_fully_qualified_name()
         self._coordinator = Coordinator(
-            node, expected, on_error=self._fail, on_held=self._hold, held=True, recorder=self.recorder
+            node,
+            [*expected, operator],
+            on_error=self._fail,
+            on_held=self._hold,
+            held=True,
+            recorder=self.recorder,
+            callers=(operator,),
         )
         self._spinning = SpunNodes((node, self._operator), 'lock-step')
 

@@ -52,6 +52,20 @@ class Agenda:
         self._turns = 0
         self._over = False
 
+    @property
+    def place(self) -> tuple[int, int]:
+        """The present instant, ns, and the next phase of it."""
+        return self.time, self._next
+
+    def resume(self, time: int, phase: int) -> None:
+        """Continue at the place of another agenda."""
+        self.time, self._next, self._turns, self._over = time, Phase(phase), 0, False
+
+    @property
+    def empty(self) -> bool:
+        """Nothing will ever be due, unless something comes."""
+        return all(time == NEVER for due in self._due.values() for time in due)
+
     def set_due(self, participant: str, due: tuple[int, ...]) -> None:
         """When a participant has something to do next, ns, for each phase; `NEVER` for nothing."""
         self._due[participant] = due

@@ -1,8 +1,7 @@
 """Coordinator: lets simulated time advance when every participant has done what was due."""
 
-import struct
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any, Final, Protocol
 
 from rclpy.clock import Clock
@@ -13,11 +12,13 @@ from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError
-from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.lockstep.profiles import ALL, LATCHED_BY_MANY
 from robots_core.ros.lockstep.protocol import (
     GO,
-    LITTLE_ENDIAN,
+    HOLD,
+    LEAD,
+    LED,
     PARTICIPANTS,
     RELEASE,
     REPORT,
@@ -28,6 +29,7 @@ from robots_core.ros.lockstep.protocol import (
     Roster,
     decode_reports,
     encode,
+    encode_clock,
 )
 from robots_core.ros.lockstep.traffic import Traffic
 from robots_core.ros.qos import STATE, STREAM
@@ -35,8 +37,6 @@ from robots_core.ros.qos import STATE, STREAM
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
 PATIENCE: Final = 30.0  # s of the wall clock
 WATCH_PERIOD: Final = 0.1  # s of the wall clock
-
-_CLOCK = struct.Struct('<4siI')  # CDR of a Clock
 
 
 class Recorder(Protocol):
@@ -64,6 +64,7 @@ class Coordinator:
         on_held: Called when nothing more is due at this instant and the run is held.
         held: The run is held from the beginning on.
         recorder: The run begins when all publishers have found its subscriptions.
+        callers: Participants that only call services.
         patience: Longest time without any progress, s of the wall clock.
         joining_patience: Longest time until the run begins, s of the wall clock.
     """
@@ -77,6 +78,7 @@ class Coordinator:
         on_held: Callable[[], None] = lambda: None,
         held: bool = False,
         recorder: Recorder | None = None,
+        callers: Collection[str] = (),
         patience: float = PATIENCE,
         joining_patience: float = JOINING_PATIENCE,
     ) -> None:
@@ -87,6 +89,7 @@ class Coordinator:
         self._patience, self._joining_patience = patience, joining_patience
         self._held, self._reported_held = held, False
         self._recorder, self._recorded = recorder, frozenset[str]()
+        self._callers, self._leads, self._may_lead = callers, False, True
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
         self._names: list[str] = []
@@ -128,6 +131,7 @@ class Coordinator:
     def hold(self) -> None:
         """Let no time pass after the present instant."""
         self._held = True
+        self._take_lead()
 
     def release(self) -> None:
         """Let time pass."""
@@ -139,6 +143,7 @@ class Coordinator:
         if self._ended:
             return
         self._ended = True
+        self._take_lead()
         self._watch.cancel()
         # Participants of a later run must not read the latched roster of this one.
         self._node.destroy_publisher(self._rosters)
@@ -206,6 +211,30 @@ class Coordinator:
         self.started = True
         self._give_turn(RELEASE, self._names)
 
+    # -- the lead -------------------------------------------------------------------------------------------
+
+    @property
+    def _leader(self) -> str:
+        """The leader of the only process in which something is due; '' for none."""
+        leaders = {one.leader for name, one in self._announced.items() if name not in self._callers}
+        return leaders.pop() if len(leaders) == 1 and self._may_lead else ''
+
+    def _give_lead(self, leader: str) -> None:
+        self._sequence += 1
+        self._leads = True
+        self._outstanding.update(name for name in self._names if name not in self._callers)
+        now, phase = self._agenda.place
+        self._gos[leader].publish(encode([self._sequence, now, LEAD, phase]))
+
+    def _take_lead(self) -> None:
+        if self._leads:
+            self._gos[self._leader].publish(encode([self._sequence, self._agenda.time, HOLD]))
+
+    def _on_led(self, time: int, phase: int, failed: int) -> None:
+        self._leads, self._published_time = False, time
+        self._agenda.resume(time, phase)
+        self._may_lead &= not failed
+
     # -- running -----------------------------------------------------------------------------------------
 
     def _give_turn(self, phase: int, names: Iterable[str]) -> None:
@@ -216,7 +245,7 @@ class Coordinator:
         if advanced:  # before whatever is sent at this instant
             self._published_time = now
             self.instants += 1
-            self._clock.publish(_CLOCK.pack(LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
+            self._clock.publish(encode_clock(now))
         if advanced or phase > Phase.DRIVES:
             self._times.publish(encode([self._sequence, now, *sent]))
         go = encode([self._sequence, now, phase, *sent])
@@ -227,6 +256,9 @@ class Coordinator:
     def _on_report(self, data: bytes) -> None:
         self._progress = time.monotonic()
         for number, answered, busy, *numbers in decode_reports(data):
+            if number == LED:
+                self._on_led(answered, busy, numbers[0])
+                continue
             name, phases = self._names[number], len(Phase)
             self._agenda.set_due(name, tuple(numbers[:phases]))
             for place in range(phases, len(numbers), 2):
@@ -251,6 +283,9 @@ class Coordinator:
 
     def _go_on(self) -> None:
         if not self.started or self._ended or not self._quiet:
+            return
+        if not self._held and (leader := self._leader) and not self._agenda.empty:
+            self._give_lead(leader)
             return
         try:
             turn = self._agenda.next_turn(advance=not self._held)

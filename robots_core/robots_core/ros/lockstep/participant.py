@@ -2,16 +2,15 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, Final
 
-from rclpy.clock import Clock, ROSClock
+from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.time import Time
 from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.ros.lockstep.agenda import LockstepError
@@ -26,12 +25,16 @@ from robots_core.ros.lockstep.counted_endpoints import (
     is_latched,
     reliable,
 )
+from robots_core.ros.lockstep.counts import Counts
+from robots_core.ros.lockstep.lead import Lead
 from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.outbox import Outbox
-from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
+from robots_core.ros.lockstep.phases import NANOSECONDS, START, Phase
 from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 from robots_core.ros.lockstep.protocol import (
     GO,
+    HOLD,
+    LEAD,
     OVER,
     PARTICIPANTS,
     RELEASE,
@@ -44,9 +47,9 @@ from robots_core.ros.lockstep.protocol import (
     Roster,
     decode,
 )
-from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
-from robots_core.ros.lockstep.traffic import CLOSED
+from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, Works
 from robots_core.ros.qos import STATE, STREAM
+from robots_core.ros.running.clocks import set_clock
 
 MATCHING_PERIOD: Final = 0.02  # s of the wall clock between checks, until all endpoints are matched
 POLL: Final = 2e-5  # s
@@ -83,28 +86,26 @@ class Participant:
         self._polled_counts: tuple[int, ...] = ()
         self._matched = 0  # version of the roster
         self._announced = Announcement('', ())
-        self._endpoints: list[Endpoint] = []
-        self._entities: list[Any] = []
-        self._counts: list[int] = []
-        self._reported: list[int] = []
-        self._works: list[TimedWork] = []
+        self._counts = Counts()
+        self._works = Works()
         self._inside = self._busy = 0
         self._lock = threading.RLock()
         self._replies: list[Callable[[], None]] = []
-        self._set_clock()
+        set_clock(node.get_clock(), START)
         # Endpoints of the protocol itself, whose messages are not counted.
         publisher = partial(Node.create_publisher, node, event_callbacks=NO_PUBLISHER_EVENTS)
         subscription = partial(Node.create_subscription, node, event_callbacks=NO_SUBSCRIPTION_EVENTS)
         self._participants = publisher(String, PARTICIPANTS, STATE)
         self._reports: Any = publisher(Int64MultiArray, REPORT, ALL)
-        self.outbox = Outbox(self._reports)
+        self._after_replies = node.create_guard_condition(self._handle_replies)
+        self.outbox = Outbox(self._reports, self._after_replies.trigger)
         """Sends the reports; participants of one process may share it."""
+        self._lead: Lead | None = None
         self._times: Any = subscription(
             Int64MultiArray, TIME, lambda _: None, STREAM, callback_group=NeverExecuted(), raw=True
         )
         self._go: Any = subscription(Int64MultiArray, f'{self.name}/{GO}', self._on_go, ALL, raw=True)
         subscription(String, ROSTER, self._on_roster, STATE)
-        self._after_replies = node.create_guard_condition(self._handle_replies)
         self._matching = Node.create_timer(
             node, MATCHING_PERIOD, self._match, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
@@ -113,6 +114,20 @@ class Participant:
     def members(self) -> Mapping[str, Sequence[Endpoint]]:
         """Endpoints of all participants by their full names; empty until the coordinator was found."""
         return {} if self._roster is None else self._roster.participants
+
+    @property
+    def endpoints(self) -> Sequence[Endpoint]:
+        """Where it counts; more may follow."""
+        return self._counts.endpoints
+
+    @property
+    def polled(self) -> Iterable[str]:
+        """The topics that are polled, in the order in which messages count them."""
+        return self._polled
+
+    def share(self, lead: Lead, outbox: Outbox) -> None:
+        """Be one of the participants of a process, before it is spun."""
+        self._lead, self.outbox = lead, outbox
 
     # -- what is counted -----------------------------------------------------------------------------
 
@@ -141,7 +156,7 @@ class Participant:
         qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
         options['event_callbacks'] = NO_SUBSCRIPTION_EVENTS
         kind: Kind = 'polled' if polled else 'subscription'
-        index = -1 if self.started else len(self._endpoints)
+        index = -1 if self.started else len(self._counts.endpoints)
         if not polled:
             callback = counted_callback(callback, self, index)
         subscription = Node.create_subscription(self.node, message_type, topic, callback, qos, **options)
@@ -165,9 +180,7 @@ class Participant:
 
     def destroyed(self, entity: Any) -> None:
         """A subscription is not waited for any more."""
-        for index, one in enumerate(self._entities):
-            if one is entity and self._endpoints[index].kind == 'subscription':
-                self._counts[index] = CLOSED
+        self._counts.close(entity)
 
     def is_behind(self, topic: str, sequence_number: int) -> bool:
         """More messages were sent on a polled topic before this phase than its newest one's number says."""
@@ -186,7 +199,7 @@ class Participant:
         timer = LockstepTimer(
             round(period * NANOSECONDS), callback, phase=phase, now=lambda: self.time, autostart=autostart
         )
-        self._add_work(timer)
+        self._works.add(timer)
         return timer
 
     def start_loop(
@@ -205,17 +218,14 @@ class Participant:
             first=self.time + 1 if self.started else START,
             next_time=next_time,
         )
-        self._add_work(loop)
+        self._works.add(loop)
         return loop
 
     def create_turn(self, work: Callable[[float], None], *, phase: Phase) -> LockstepTurn:
         """Work that is done in a phase of instants that the node requests."""
         turn = LockstepTurn(work, phase=phase, asked=self._report_unless_inside)
-        self._add_work(turn)
+        self._works.add(turn)
         return turn
-
-    def _add_work(self, work: TimedWork) -> None:
-        self._works = [one for one in self._works if getattr(one, 'alive', True)] + [work]
 
     @contextmanager
     def busy(self) -> Iterator[None]:
@@ -235,16 +245,14 @@ class Participant:
 
     def sent(self, index: int) -> None:
         """A message is being sent."""
-        with self._lock:
-            self._counts[index] += 1
+        self._counts.sent(index)
         if not self._busy:
             self._report_unless_inside()
 
     def received(self, index: int) -> None:
         """A message was handled."""
-        if index >= 0 and self._counts[index] != CLOSED:
-            with self._lock:
-                self._counts[index] += 1
+        if index >= 0:
+            self._counts.received(index)
 
     def enter(self) -> None:
         """A callback begins."""
@@ -264,64 +272,63 @@ class Participant:
         """Report for the coordinator, without the counts that were sent before."""
         assert self._number is not None
         with self._lock:
-            due = [NEVER] * len(Phase)
-            for work in self._works:
-                due[work.phase] = min(due[work.phase], work.due)
-            report = [self._number, self._answered, int(self._busy > 0), *due]
-            if self._counts != self._reported:
-                for index, count in enumerate(self._counts):
-                    if index >= len(self._reported) or count != self._reported[index]:
-                        report += (index, count)
-                self._reported = list(self._counts)
-            return report
+            return [
+                self._number,
+                self._answered,
+                int(self._busy > 0),
+                *self._works.due(),
+                *self._counts.changes(),
+            ]
 
     # -- the coordinator's messages ----------------------------------------------------------------------
 
     def _on_go(self, data: bytes) -> None:
         sequence, now, phase, *counts = decode(data)
+        if phase == LEAD and self._lead is not None:
+            self._lead.begin(sequence, now, counts[0])
+        elif phase == HOLD and self._lead is not None:
+            self._lead.hold()
+        else:
+            self.take_turn(sequence, now, phase, counts)
+
+    def answer(self, sequence: int) -> None:
+        """Have a turn answered, and all counts, in the next report."""
+        self._answered = sequence
+        self._counts.forget()
+
+    def take_turn(self, sequence: int, now: int, phase: int, counts: Sequence[int]) -> None:
+        """Do what is due in a phase of an instant (ns)."""
         self._inside += 1
         self._set_time(sequence, now, counts)
         if phase == RELEASE:
             self.started = True
-            for entity in self._entities:
+            for entity in self._counts.entities:
                 if isinstance(entity, CountedPublisher):
                     entity.release()
         elif phase == OVER:
-            for work in self._works:
-                if isinstance(work, LockstepLoop):
-                    work.pass_over(now)
+            self._works.pass_over(now)
         else:
-            self._do_what_is_due(phase)
+            self._works.run(phase, now)
         self._answered = sequence
         self.leave()
 
-    def _do_what_is_due(self, phase: int) -> None:
-        now = self.time
-        works = [work for work in self._works if work.phase == phase and work.due <= now]
-        for work in sorted(works, key=lambda work: work.due):
-            if work.due <= now:  # not cancelled by one before it
-                work.run(now)
-
     def _update(self) -> None:
+        lead = self._lead
+        if lead is not None and lead.active:
+            self._set_time(lead.sequence, lead.time, lead.sent)
+            return
         taken = self._times.handle.take_message(Int64MultiArray, True)  # raw
         if taken is not None:
             sequence, now, *counts = decode(taken[0])
             self._set_time(sequence, now, counts)
 
-    def _set_time(self, sequence: int, now: int, counts: list[int]) -> None:
+    def _set_time(self, sequence: int, now: int, counts: Sequence[int]) -> None:
         if sequence < self._sequence:  # two topics need not come in the order in which they were sent
             return
         self._sequence, self._polled_counts = sequence, tuple(counts)
         if now != self.time:
             self.time = now
-            self._set_clock()
-
-    def _set_clock(self) -> None:
-        clock = self.node.get_clock()
-        assert isinstance(clock, ROSClock)
-        clock.set_ros_time_override(Time(nanoseconds=self.time, clock_type=ClockType.ROS_TIME))
-        if not clock.ros_time_is_active:
-            clock._set_ros_time_is_active(True)  # noqa: SLF001  # as rclpy's TimeSource does
+            set_clock(self.node.get_clock(), now)
 
     def wait_for_message(self, topic: str, deadline: float) -> None:
         """Wait a little for the middleware.
@@ -344,12 +351,9 @@ class Participant:
     # -- joining -----------------------------------------------------------------------------------------
 
     def _add(self, kind: Kind, name: str, entity: Any, *, latched: bool = False) -> int:
-        with self._lock:
-            self._endpoints.append(Endpoint(kind, name, latched))
-            self._entities.append(entity)
-            self._counts.append(0)
+        index = self._counts.add(Endpoint(kind, name, latched), entity)
         self._matching.reset()
-        return len(self._counts) - 1
+        return index
 
     def _on_roster(self, message: String) -> None:
         roster = Roster.from_json(message.data)
@@ -367,7 +371,8 @@ class Participant:
         if self._roster is not None and self._is_matched(self._roster):
             self._matched = self._roster.version
             self._matching.cancel()
-        announcement = Announcement(self.name, tuple(self._endpoints), self._matched)
+        leader = '' if self._lead is None else self._lead.name
+        announcement = Announcement(self.name, tuple(self._counts.endpoints), self._matched, leader)
         if announcement != self._announced:
             self._announced = announcement
             self._participants.publish(String(data=announcement.to_json()))
@@ -380,7 +385,9 @@ class Participant:
             and self._times.get_publisher_count()
         ):
             return False
-        for endpoint, entity in zip(list(self._endpoints), list(self._entities), strict=True):
+        if self._lead is not None and not self._lead.is_matched:
+            return False
+        for endpoint, entity in zip([*self._counts.endpoints], [*self._counts.entities], strict=False):
             held = endpoint.kind == 'publisher' and entity.held is not None
             if self.started and not held:
                 continue

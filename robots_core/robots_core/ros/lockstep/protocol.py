@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from robots_core.ros.lockstep.phases import NANOSECONDS
+
 PARTICIPANTS: Final = '/lockstep/participants'
 """std_msgs/String, an `Announcement` as JSON; latched by each participant."""
 ROSTER: Final = '/lockstep/roster'
@@ -24,6 +26,10 @@ GO: Final = 'lockstep_go'
 """std_msgs/Int64MultiArray below a participant's name: sequence to answer, time (ns), phase, and the messages
 sent so far on each polled topic."""
 
+LED: Final = -1
+"""In the place of a participant, in a report: a process gives the lead back; behind it time (ns), next phase,
+and whether the run cannot continue."""
+
 
 def is_of_protocol(topic: str) -> bool:
     """The topic is one of the above, or the clock."""
@@ -36,10 +42,16 @@ OVER: Final = -2
 """The phase of a turn at the end of an instant, in which participants report again what they have to do: what
 became due in a phase that was over is due later."""
 
+LEAD: Final = -3
+"""The phase of a turn in which the participants of a process go on by themselves; behind it the next one."""
+HOLD: Final = -4
+"""The phase that ends this at the end of the present instant."""
+
 # CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
 # length, padding to 8 bytes, the numbers.
 _HEAD: Final = struct.Struct('<4sIII4x')
 LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
+_CLOCK: Final = struct.Struct('<4siI')  # CDR of a Clock
 
 Kind = Literal['publisher', 'subscription', 'polled', 'recorded', 'service', 'requests', 'replies']
 
@@ -68,11 +80,13 @@ class Announcement:
         name: The node's name, with its namespace.
         endpoints: In the order of their numbers; more may follow, none goes.
         matched: Version of the roster whose endpoints have all found each other, as this node finds.
+        leader: The participant of its process to which the lead can be given; '' if it cannot.
     """
 
     name: str
     endpoints: tuple[Endpoint, ...]
     matched: int = 0
+    leader: str = ''
 
     def to_json(self) -> str:
         """As text."""
@@ -82,7 +96,7 @@ class Announcement:
     def from_json(cls, text: str) -> Announcement:
         """Of its text."""
         fields = json.loads(text)
-        return cls(fields['name'], _endpoints(fields['endpoints']), fields['matched'])
+        return cls(fields['name'], _endpoints(fields['endpoints']), fields['matched'], fields['leader'])
 
 
 @dataclass(frozen=True)
@@ -119,6 +133,11 @@ def encode(numbers: list[int]) -> bytes:
     """A serialized Int64MultiArray, at a fraction of what building and converting a message takes."""
     count = len(numbers)
     return _HEAD.pack(LITTLE_ENDIAN, 0, 0, count) + struct.pack(f'<{count}q', *numbers)
+
+
+def encode_clock(time: int) -> bytes:
+    """A serialized Clock, of a time in ns."""
+    return _CLOCK.pack(LITTLE_ENDIAN, *divmod(time, NANOSECONDS))
 
 
 def decode(data: bytes) -> tuple[int, ...]:

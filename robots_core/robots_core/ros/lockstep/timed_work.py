@@ -172,6 +172,37 @@ TimedWork = LockstepLoop | LockstepTimer | LockstepTurn
 """Something that is due at a time, in a phase."""
 
 
+class Works:
+    """All that a participant does at given times."""
+
+    def __init__(self) -> None:
+        self._works: list[TimedWork] = []
+
+    def add(self, work: TimedWork) -> None:
+        """Do this too."""
+        self._works = [one for one in self._works if getattr(one, 'alive', True)] + [work]
+
+    def due(self) -> list[int]:
+        """When something is due next, ns, for each phase; `NEVER` for nothing."""
+        due = [NEVER] * len(Phase)
+        for work in self._works:
+            due[work.phase] = min(due[work.phase], work.due)
+        return due
+
+    def run(self, phase: int, now: int) -> None:
+        """Do what is due in a phase at `now`, ns."""
+        works = [work for work in self._works if work.phase == phase and work.due <= now]
+        for work in sorted(works, key=lambda work: work.due):
+            if work.due <= now:  # not cancelled by one before it
+                work.run(now)
+
+    def pass_over(self, now: int) -> None:
+        """No loop has a further turn at `now`, ns."""
+        for work in self._works:
+            if isinstance(work, LockstepLoop):
+                work.pass_over(now)
+
+
 def instant(time: float) -> int:
     """First nanosecond whose time in seconds is not before `time` (s); `NEVER` for infinity."""
     if time >= NEVER / NANOSECONDS:

@@ -17,6 +17,7 @@ from rclpy.utilities import try_shutdown
 from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.process_end import end_quickly
+from robots_core.ros.lockstep.lead import Lead
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.peers.namesake_watch import NamesakeWatch
 from robots_core.ros.running.bounded_end import STDERR, bounded_end
@@ -79,10 +80,12 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
                     if node.alone:
                         NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node
-            together = _reported_together(nodes)
+            lead, together = _lockstep(nodes)
+            more = False
             while nodes[0].context.ok() and not stopping.is_set():
                 with together():
-                    executor.spin_once()
+                    executor.spin_once(0.0 if more else None)
+                    more = lead is not None and lead.go_on()
         except ExternalShutdownException:
             return ExitCode.OK
         except RobotsError as error:
@@ -101,15 +104,20 @@ def _report_hung(node: TimedNode) -> None:
     faulthandler.dump_traceback(STDERR)
 
 
-def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
-    """What nodes in lock-step report in a round of the executor is sent at its end."""
+def _lockstep(
+    nodes: Sequence[TimedNode],
+) -> tuple[Lead | None, Callable[[], AbstractContextManager[None]]]:
+    """What nodes in lock-step have together: the lead, and one message with their reports in a round."""
     participants = [node.participant for node in nodes if node.participant is not None]
     if not participants:
-        return nullcontext
+        return None, nullcontext
     outbox = participants[0].outbox
+    if len(participants) == 1:
+        return None, outbox.together
+    lead = Lead(participants, outbox)
     for participant in participants:
-        participant.outbox = outbox
-    return outbox.together
+        participant.share(lead, outbox)
+    return lead, outbox.together
 
 
 def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:

@@ -3,7 +3,7 @@
 import threading
 
 from robots_controller.program.clock import LONGEST_WAIT, WallClock
-from robots_core.ros.running.loop import on_clock_set
+from robots_core.ros.running.clocks import on_clock_set
 from robots_core.ros.timed_node import TimedNode
 
 

@@ -1,0 +1,145 @@
+"""Lead: participants that share a process go from turn to turn by themselves, without a message for each."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
+from robots_core.ros.lockstep.phases import START, Phase
+from robots_core.ros.lockstep.protocol import encode_clock
+from robots_core.ros.lockstep.traffic import Traffic
+from robots_core.ros.qos import STREAM
+
+if TYPE_CHECKING:
+    from robots_core.ros.lockstep.outbox import Outbox
+    from robots_core.ros.lockstep.participant import Participant
+
+LOOK_PERIOD: Final = 1.0  # s of the wall clock
+SHARE: Final = 0.005  # s of the wall clock between two looks at what else has come
+
+
+class Lead:
+    """The coordinator's part among participants that are all there are in a run.
+
+    The coordinator gives the lead away, and takes it back when the run is held. It has the lead again too
+    when nothing is due, nothing goes on for a while, or the run cannot continue: it says why.
+
+    All but `woken` is called in the executor's thread.
+
+    Args:
+        participants: Of this process, at least one.
+        outbox: Of all of them.
+    """
+
+    def __init__(self, participants: Sequence[Participant], outbox: Outbox) -> None:
+        self._participants = {one.name: one for one in participants}
+        self._outbox = outbox
+        self.name: Final = participants[0].name
+        """The participant that receives the coordinator's messages about the lead."""
+        node = participants[0].node
+        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', STREAM)
+        self._node = node
+        self._traffic, self._agenda = Traffic(), Agenda()
+        self._joined: dict[str, int] = {}
+        self._busy: set[str] = set()
+        self.active = False
+        """The participants have the lead."""
+        self.sequence = self._turns = self._seen = 0
+        self.time = self._published = START
+        """The present instant, ns."""
+        self.sent: tuple[int, ...] = ()
+        """Messages sent so far on each polled topic."""
+        self._held = False
+        self._look = Node.create_timer(
+            node, LOOK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
+        )
+
+    @property
+    def is_matched(self) -> bool:
+        """All subscriptions to the clock have found this publisher of it."""
+        others = self._node.get_subscriptions_info_by_topic('/clock')
+        return bool(self._clock.get_subscription_count() >= len(others))
+
+    def begin(self, sequence: int, now: int, phase: int) -> None:
+        """Take the lead, at an instant (ns) and the next phase of it."""
+        self.active, self._held, self.sequence = True, False, sequence
+        self.time = self._published = now
+        self._agenda.resume(now, phase)
+        self._outbox.keep()
+        for participant in self._participants.values():
+            participant.answer(sequence)
+            self._outbox.send(participant)
+        self._look.reset()
+
+    def hold(self) -> None:
+        """Give the lead back at the end of the present instant."""
+        self._held = True
+
+    def go_on(self) -> bool:
+        """Do what is due, for a moment; True if there is more to do at once."""
+        if not self.active:
+            return False
+        end = time.monotonic() + SHARE
+        while True:
+            for reporter in self._outbox.take():
+                self._read(self._participants[reporter.name])
+            if self._busy or not self._traffic.quiet:
+                return False
+            try:
+                turn = self._agenda.next_turn(advance=not self._held)
+            except LockstepError:
+                self._give_back(failed=True)
+                return False
+            if turn is None:
+                self._give_back()
+                return False
+            self._take(turn)
+            if time.monotonic() > end:
+                return True
+
+    def _read(self, participant: Participant) -> None:
+        _, _, busy, *numbers = participant.report()
+        name, phases = participant.name, len(Phase)
+        if self._joined.get(name) != len(participant.endpoints):
+            self._joined[name] = len(participant.endpoints)
+            self._traffic.join(name, participant.endpoints)
+        self._agenda.set_due(name, tuple(numbers[:phases]))
+        for place in range(phases, len(numbers), 2):
+            self._traffic.count(name, numbers[place], numbers[place + 1])
+        if busy:
+            self._busy.add(name)
+        else:
+            self._busy.discard(name)
+
+    def _take(self, turn: Turn) -> None:
+        self._turns += 1
+        self.time = turn.time
+        self.sent = tuple(self._traffic.sent(topic) for topic in self._participants[self.name].polled)
+        if turn.time != self._published:
+            self._published = turn.time
+            self._clock.publish(encode_clock(turn.time))
+        for name in turn.participants:
+            self._participants[name].take_turn(self.sequence, turn.time, turn.phase, self.sent)
+
+    def _check(self) -> None:
+        if self._turns == self._seen:
+            self._give_back()
+        else:
+            self._seen = self._turns
+            self._outbox.send_now()
+
+    def _give_back(self, *, failed: bool = False) -> None:
+        if not self.active:
+            return
+        self.active = False
+        self._look.cancel()
+        for participant in self._participants.values():
+            participant.answer(self.sequence)
+        self._outbox.give_back(self._participants.values(), (*self._agenda.place, int(failed)))
