@@ -28,19 +28,23 @@ SHARE: Final = 0.005  # s of the wall clock between two looks at what else has c
 class Lead:
     """The coordinator's part among participants that are all there are in a run.
 
-    The coordinator gives the lead away, and takes it back when the run is held. It has the lead again too
-    when nothing is due, nothing goes on for a while, or the run cannot continue: it says why.
+    A turn that the coordinator gives takes two messages between processes, and several of them an instant;
+    here it takes none. The coordinator gives the lead away, and takes it back when the run is held. It has it
+    again also when nothing is due, when nothing goes on for a while, and when the run cannot continue: then
+    it finds out itself why, and says so.
 
-    All but `woken` is called in the executor's thread.
+    All methods are called in the executor's thread.
 
     Args:
-        participants: Of this process, at least one.
-        outbox: Of all of them.
+        participants: Of this process, at least one, before they are spun.
+        outbox: Of the first one, which all have from now on.
     """
 
     def __init__(self, participants: Sequence[Participant], outbox: Outbox) -> None:
         self._participants = {one.name: one for one in participants}
         self._outbox = outbox
+        for participant in participants:
+            participant.share(self, outbox)
         self.name: Final = participants[0].name
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node

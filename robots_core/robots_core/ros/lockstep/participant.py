@@ -126,7 +126,7 @@ class Participant:
         return self._polled
 
     def share(self, lead: Lead, outbox: Outbox) -> None:
-        """Be one of the participants of a process, before it is spun."""
+        """Be one of several participants of a process."""
         self._lead, self.outbox = lead, outbox
 
     # -- what is counted -----------------------------------------------------------------------------

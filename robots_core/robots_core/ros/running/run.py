@@ -114,10 +114,7 @@ def _lockstep(
     outbox = participants[0].outbox
     if len(participants) == 1:
         return None, outbox.together
-    lead = Lead(participants, outbox)
-    for participant in participants:
-        participant.share(lead, outbox)
-    return lead, outbox.together
+    return Lead(participants, outbox), outbox.together
 
 
 def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:

@@ -1,0 +1,187 @@
+"""Nodes that share a process go through a lock-step run by themselves, as those of several processes do."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+import pytest
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from robots_core.ros.lockstep.agenda import MOST_TURNS, LockstepError
+from robots_core.ros.lockstep.lead import Lead
+from robots_core.ros.lockstep.phases import START, Phase
+from robots_core.ros.qos import COMMAND
+from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.timed_node import TimedNode
+
+PERIOD = 4_000_000  # ns
+
+
+class Pair:
+    """Two participants that share a process, spun as `run_nodes` does, and what they do in each period."""
+
+    def __init__(self, runner: Any) -> None:
+        self.runner = runner
+        self.asker, self.server = (
+            TimedNode(name, **runner.options(lockstep=True)) for name in ('asker', 'server')
+        )
+        self.handled: list[tuple[float, float]] = []  # times of sending and of handling, s
+        self.replied: list[tuple[float, float]] = []
+        self.work: Callable[[float], object] = lambda _: None
+        self._numbers = self.asker.create_publisher(Float64, 'number', COMMAND)
+        self._client = self.asker.create_client(Trigger, 'ask')
+        self.server.create_subscription(Float64, 'number', self._on_number, COMMAND)
+        self.server.create_service(Trigger, 'ask', lambda _, response: response)
+        self.asker.start_loop(self._ask, period=PERIOD / START, name='asker')
+        self.times: list[int] = []
+        self.server.start_loop(
+            lambda _: self.times.append(self.part.time), period=PERIOD / START, name='server'
+        )
+
+    @property
+    def part(self) -> Any:
+        return self.server.participant
+
+    def _on_number(self, message: Float64) -> None:
+        self.handled.append((message.data, self.server.now()))
+
+    def _ask(self, now: float) -> None:
+        self._numbers.publish(Float64(data=now))
+        reply = self._client.call_async(Trigger.Request())
+        reply.add_done_callback(lambda _: self.replied.append((now, self.asker.now())))
+        self.work(now)
+
+    @contextmanager
+    def spun(self) -> Iterator[None]:
+        """In a thread."""
+        executor = LeanExecutor(context=self.runner.context)
+        nodes = (self.asker, self.server)
+        for node in nodes:
+            executor.add_node(node)
+        outbox = self.asker.participant.outbox  # type: ignore[union-attr]
+        lead = Lead([node.participant for node in nodes if node.participant], outbox)
+        end = threading.Event()
+
+        def spin() -> None:
+            more = False
+            while not end.is_set():
+                with outbox.together():
+                    executor.spin_once(0.0 if more else 0.02)
+                    more = lead.go_on()
+
+        thread = threading.Thread(target=spin)
+        thread.start()
+        try:
+            yield
+        finally:
+            end.set()
+            thread.join()
+            executor.shutdown()
+            for node in nodes:
+                node.destroy_node()
+
+
+@pytest.fixture
+def pair(ros_nodes: Any) -> Iterator[Pair]:
+    pair = Pair(ros_nodes)
+    with pair.spun():
+        yield pair
+
+
+def test_they_need_no_turn_of_the_coordinator_and_handle_everything_at_its_instant(pair: Pair) -> None:
+    run = pair.runner.coordinate('asker', 'server')
+    pair.runner.wait_for(lambda: len(pair.times) > 200, what='periods')
+    pair.runner.call(run.hold)
+    pair.runner.wait_for(lambda: run.time == pair.times[-1], what='the hold')
+    assert run.instants <= 2
+    assert pair.times == [START + k * PERIOD for k in range(len(pair.times))]
+    assert len(pair.handled) == len(pair.replied) == len(pair.times)
+    assert all(sent == handled for sent, handled in [*pair.handled, *pair.replied])
+
+
+def test_a_held_run_stands_and_goes_on_where_it_was(pair: Pair) -> None:
+    held = threading.Event()
+    run = pair.runner.coordinate('asker', 'server', held=True, on_held=held.set)
+    for count in (1, 30, 60):
+        pair.runner.wait_for(held.is_set, what='the hold')
+        assert run.time == pair.times[-1] == START + (len(pair.times) - 1) * PERIOD
+        assert len(pair.times) >= count
+        held.clear()
+        pair.runner.call(run.release)
+        pair.runner.wait_for(lambda count=count: len(pair.times) >= count + 29, what='periods')
+        pair.runner.call(run.hold)
+    pair.runner.wait_for(held.is_set, what='the last hold')
+    assert pair.times == [START + k * PERIOD for k in range(len(pair.times))]
+
+
+def test_a_participant_of_another_process_is_waited_for(pair: Pair) -> None:
+    other = TimedNode('other', **pair.runner.options(lockstep=True))
+    times: list[float] = []
+    other.start_loop(times.append, period=PERIOD / START, name='other')
+    pair.runner.add(other)
+    run = pair.runner.coordinate('asker', 'server', 'other')
+    pair.runner.wait_for(lambda: len(pair.times) > 50 and len(times) > 50, what='periods')
+    pair.runner.call(run.end)
+    assert run.instants > 50
+    assert all(sent == handled for sent, handled in [*pair.handled, *pair.replied])
+
+
+def test_work_in_a_thread_holds_time_for_as_long_as_it_takes(pair: Pair) -> None:
+    begun, done = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        with pair.part.busy():
+            begun.set()
+            done.wait()
+
+    def work(now: float) -> None:
+        if now > 1.1 and not begun.is_set():
+            threading.Thread(target=hold).start()
+            begun.wait()
+
+    pair.work = work
+    run = pair.runner.coordinate('asker', 'server')
+    pair.runner.wait_for(begun.is_set, what='the work')
+    # Nothing goes on: the coordinator has the lead again.
+    pair.runner.wait_for(lambda: run.time > START, what='the lead')
+    assert run.time == pair.times[-1]
+    done.set()
+    pair.runner.wait_for(lambda: pair.times[-1] > run.time + 20 * PERIOD, what='further periods')
+    pair.runner.call(run.end)
+
+
+def test_what_holds_time_for_ever_is_named(pair: Pair) -> None:
+    with ExitStack() as work:
+        pair.work = lambda now: now > 1.1 and work.enter_context(pair.asker.participant.busy())  # type: ignore[union-attr]
+        run = pair.runner.coordinate('asker', 'server')
+        pair.runner.wait_for(lambda: run.time > START, what='the lead')
+        assert run._not_done().startswith('/asker did not end the work under way at 1.104')
+        pair.runner.call(run.end)
+
+
+def test_a_participant_that_lets_no_time_pass_is_named(pair: Pair) -> None:
+    errors: list[LockstepError] = []
+
+    def again(now: float) -> None:
+        turn.ask(now)
+
+    turn = pair.part.create_turn(again, phase=Phase.PROGRAM)
+    pair.work = lambda now: now > 1.1 and again(now)
+    run = pair.runner.coordinate('asker', 'server', on_error=errors.append)
+    pair.runner.wait_for(lambda: errors, what='an error')
+    assert f'/server asked for {MOST_TURNS} turns at 1.104' in str(errors[0])
+    assert run.time == START + 26 * PERIOD
+
+
+def test_the_coordinator_hears_of_a_run_that_goes_on(pair: Pair) -> None:
+    run = pair.runner.coordinate('asker', 'server')
+    pair.runner.wait_for(lambda: len(pair.times) > 10, what='periods')
+    for _ in range(2):
+        before = run._progress
+        pair.runner.wait_for(lambda before=before: run._progress > before, what='a sign of life')
+    assert run.instants <= 2
+    pair.runner.call(run.end)
