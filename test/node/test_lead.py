@@ -62,16 +62,14 @@ class Pair:
         nodes = (self.asker, self.server)
         for node in nodes:
             executor.add_node(node)
-        outbox = self.asker.participant.outbox  # type: ignore[union-attr]
-        lead = Lead([node.participant for node in nodes if node.participant], outbox)
+        lead = Lead([node.participant for node in nodes if node.participant])
         end = threading.Event()
 
         def spin() -> None:
             more = False
             while not end.is_set():
-                with outbox.together():
-                    executor.spin_once(0.0 if more else 0.02)
-                    more = lead.go_on()
+                executor.spin_once(0.0 if more else 0.02)
+                more = lead.go_on()
 
         thread = threading.Thread(target=spin)
         thread.start()

@@ -18,7 +18,6 @@ from robots_core.ros.lockstep.traffic import Traffic
 from robots_core.ros.qos import STREAM
 
 if TYPE_CHECKING:
-    from robots_core.ros.lockstep.outbox import Outbox
     from robots_core.ros.lockstep.participant import Participant
 
 LOOK_PERIOD: Final = 1.0  # s of the wall clock
@@ -36,15 +35,14 @@ class Lead:
     All methods are called in the executor's thread.
 
     Args:
-        participants: Of this process, at least one, before they are spun.
-        outbox: Of the first one, which all have from now on.
+        participants: Of this process, at least one, before they are spun. All report by the first one.
     """
 
-    def __init__(self, participants: Sequence[Participant], outbox: Outbox) -> None:
+    def __init__(self, participants: Sequence[Participant]) -> None:
         self._participants = {one.name: one for one in participants}
-        self._outbox = outbox
+        self._outbox = participants[0].outbox
         for participant in participants:
-            participant.share(self, outbox)
+            participant.share(self, self._outbox)
         self.name: Final = participants[0].name
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node
@@ -137,7 +135,7 @@ class Lead:
             self._give_back()
         else:
             self._seen = self._turns
-            self._outbox.send_now()
+            self._outbox.sign_of_life()
 
     def _give_back(self, *, failed: bool = False) -> None:
         if not self.active:

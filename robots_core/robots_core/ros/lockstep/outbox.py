@@ -1,8 +1,7 @@
-"""Outbox: the reports of the participants of one process, in their order and as few messages as possible."""
+"""Outbox: the reports of the participants of one process, in their order."""
 
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
 from robots_core.ros.lockstep.protocol import LED, encode_reports
@@ -20,7 +19,7 @@ class Reporter(Protocol):
 
 
 class Outbox:
-    """Sends reports.
+    """Sends reports, or keeps them where the process has the lead.
 
     Args:
         publisher: Of the reports. One for all participants of a process: between messages of two publishers
@@ -29,56 +28,42 @@ class Outbox:
     """
 
     def __init__(self, publisher: Any, wake: Callable[[], None]) -> None:
-        self._publisher = publisher
-        self._sending = threading.Lock()
-        self._collecting: int | None = None  # identity of a thread
-        self._kept = False
-        self._wake = wake
-        self._waiting: dict[Reporter, None] = {}
+        self._publisher, self._wake = publisher, wake
+        self._lock = threading.Lock()
+        self._keeper: int | None = None  # identity of the executor's thread
+        self._kept: dict[Reporter, None] = {}
 
     def send(self, reporter: Reporter) -> None:
-        """Send the report of a participant, now or at the end of what this thread does together."""
-        collects = self._collecting == threading.get_ident()
-        if collects or self._kept:
-            with self._sending:
-                self._waiting[reporter] = None
-            if not collects:
-                self._wake()
-        else:
-            self._send((reporter,))
-
-    @contextmanager
-    def together(self) -> Iterator[None]:
-        """Send what is to be reported in this thread meanwhile at the end, as one message."""
-        self._collecting = threading.get_ident()
-        try:
-            yield
-        finally:
-            self._collecting = None
-            if not self._kept:
-                self._send(self.take())
+        """Send the report of a participant, or keep that it has one; from any thread."""
+        with self._lock:
+            keeper = self._keeper
+            if keeper is None:
+                self._publish((reporter,))
+                return
+            self._kept[reporter] = None
+        if keeper != threading.get_ident():
+            self._wake()
 
     def keep(self) -> None:
-        """Send nothing until `give_back`: `take` returns what would be sent."""
-        self._kept = True
+        """Keep reports until `give_back`; called in the executor's thread, as all that follows."""
+        with self._lock:
+            self._keeper = threading.get_ident()
 
     def take(self) -> Iterable[Reporter]:
-        """Those that have something to report."""
-        with self._sending:
-            waiting, self._waiting = self._waiting, {}
-        return waiting
-
-    def send_now(self) -> None:
-        """Send a message without reports, as a sign of life."""
-        self._publisher.publish(encode_reports(()))
+        """Those that have had something to report since the last call."""
+        with self._lock:
+            kept, self._kept = self._kept, {}
+        return kept
 
     def give_back(self, reporters: Iterable[Reporter], place: Sequence[int]) -> None:
-        """End `keep`, and send what is to be reported by all, with the place of the run."""
-        self._kept = False
-        self.take()
-        self._send(reporters, ((LED, *place),))
+        """Send reports from now on, and those of all, with the place of the run, at once."""
+        with self._lock:
+            self._keeper, self._kept = None, {}
+            self._publish(reporters, (LED, *place))
 
-    def _send(self, reporters: Iterable[Reporter], before: Iterable[Sequence[int]] = ()) -> None:
-        with self._sending:
-            if reports := [*before, *(reporter.report() for reporter in reporters)]:
-                self._publisher.publish(encode_reports(reports))
+    def sign_of_life(self) -> None:
+        """Send a message without reports."""
+        self._publisher.publish(encode_reports(()))
+
+    def _publish(self, reporters: Iterable[Reporter], *before: Sequence[int]) -> None:
+        self._publisher.publish(encode_reports([*before, *(one.report() for one in reporters)]))

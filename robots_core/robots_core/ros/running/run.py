@@ -6,7 +6,6 @@ import inspect
 import os
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 
 import rclpy
@@ -80,12 +79,10 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
                     if node.alone:
                         NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node
-            lead, together = _lockstep(nodes)
-            more = False
+            lead, more = _lead(nodes), False
             while nodes[0].context.ok() and not stopping.is_set():
-                with together():
-                    executor.spin_once(0.0 if more else None)
-                    more = lead is not None and lead.go_on()
+                executor.spin_once(0.0 if more else None)
+                more = lead is not None and lead.go_on()
         except ExternalShutdownException:
             return ExitCode.OK
         except RobotsError as error:
@@ -104,17 +101,10 @@ def _report_hung(node: TimedNode) -> None:
     faulthandler.dump_traceback(STDERR)
 
 
-def _lockstep(
-    nodes: Sequence[TimedNode],
-) -> tuple[Lead | None, Callable[[], AbstractContextManager[None]]]:
-    """What nodes in lock-step have together: the lead, and one message with their reports in a round."""
+def _lead(nodes: Sequence[TimedNode]) -> Lead | None:
+    """That of several nodes in lock-step."""
     participants = [node.participant for node in nodes if node.participant is not None]
-    if not participants:
-        return None, nullcontext
-    outbox = participants[0].outbox
-    if len(participants) == 1:
-        return None, outbox.together
-    return Lead(participants, outbox), outbox.together
+    return Lead(participants) if len(participants) > 1 else None
 
 
 def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:
