@@ -84,7 +84,7 @@ def _run(
             processes.start()
             code = cell.run()
             cell.bring_to_rest()
-            code = _close_recording(listener, options, console, cell.program_ended) or code
+            code = _close_recording(cell, listener, options, console, cell.program_ended) or code
             if options.once and options.view and cell.program_ended:
                 console.print('the pages stay open; Ctrl-C ends them')
                 cell.watch()
@@ -92,7 +92,7 @@ def _run(
             console.print('\nstopping ...')
             code = ExitCode.INTERRUPTED
             cell.bring_to_rest()
-            _close_recording(listener, options, console, program_ended=False)
+            _close_recording(cell, listener, options, console, program_ended=False)
         finally:
             view.close()
             processes.stop()
@@ -110,6 +110,7 @@ def _bag(options: argparse.Namespace, folder: Path) -> Iterator[Path | None]:
 
 
 def _close_recording(
+    cell: RunningCell,
     listener: CellListener,
     options: argparse.Namespace,
     console: Console,
@@ -120,6 +121,7 @@ def _close_recording(
     if recorder is None or recorder.closed:
         return ExitCode.OK
     listener.close_recording()
+    cell.show_recording()
     if options.record:
         console.print(f'bag: {recorder.path}')
     if recorder.problem:

@@ -173,14 +173,18 @@ class RunningCell:
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
             self._ended = True
-        if self._recorder is not None and self._recorder.problem and not self._recording_ended:
-            self._recording_ended = True
-            self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
+        self.show_recording()
         # The established cell keeps the namespace; the newcomer exits.
         if self._foreign and time.monotonic() < self._settled:
             self._console.print(occupied(self._foreign, self._options.namespace))
             self._ended = True
         return not self._ended
+
+    def show_recording(self) -> None:
+        """Show why the recording is not complete, once."""
+        if self._recorder is not None and self._recorder.problem and not self._recording_ended:
+            self._recording_ended = True
+            self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
 
     def _call(self, service: str) -> bool:
         future = self._listener.call(f'lua_program_node/{service}')
