@@ -99,22 +99,15 @@ def call_stack_from_json(text: str) -> CallStack:
     """
 
     def variables(rows: Any) -> tuple[Variable, ...]:
-        return tuple(
-            Variable(row['name'], row['value'], row['type'], variables(row['entries'])) for row in rows
-        )
+        return tuple(Variable(**{**row, 'entries': variables(row['entries'])}) for row in rows)
+
+    def frame(row: Any) -> Frame:
+        scopes = {scope: variables(rows) for scope, rows in row['scopes'].items()}
+        return Frame(**{**row, 'line': int(row['line']), 'scopes': scopes})
 
     try:
         data = json.loads(text)
-        frames = tuple(
-            Frame(
-                row['name'],
-                row['chunk'],
-                int(row['line']),
-                {scope: variables(rows) for scope, rows in row['scopes'].items()},
-            )
-            for row in data['frames']
-        )
-        return CallStack(frames, variables(data['globals']), int(data['depth']))
+        return CallStack(tuple(map(frame, data['frames'])), variables(data['globals']), int(data['depth']))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise InvalidInputError(f'the call stack cannot be read: {error!r}') from None
 
