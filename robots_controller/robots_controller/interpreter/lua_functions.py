@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.interpreter.functions.flow import Flow, Halt
+from robots_controller.interpreter.functions.flow import Flow, MainFlow
 from robots_controller.interpreter.functions.guidance import Guidance
 from robots_controller.interpreter.functions.interrupts import Interrupts
 from robots_controller.interpreter.functions.kinematics import Kinematics
@@ -23,11 +23,10 @@ from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.functions.search import Search
 from robots_controller.interpreter.functions.settings import Settings
 from robots_controller.interpreter.functions.signals import Signals
-from robots_controller.interpreter.functions.tasks import Tasks
 
 TASK_FAMILIES: Final = (Positions, Poses, Kinematics, Signals, Flow, Persistence)
 """Those that tasks have too."""
-MAIN_FAMILIES: Final = (Settings, Interrupts, Guidance, Halt, Tasks)
+MAIN_FAMILIES: Final = (Settings, Interrupts, Guidance, MainFlow)
 """Those that the main program alone has, besides its motions and searches."""
 
 

@@ -49,8 +49,8 @@ class Flow(Family):
         self._run.cell.printed(text, self._run.line)
 
 
-class Halt(Family):
-    """Holds the program."""
+class MainFlow(Family):
+    """Holds the program, and starts tasks, which the sandbox runs."""
 
     @lua_function(Argument('string', kinds.NAME, '', 'why, for the operator', optional=True))
     def halt(self, why: str | None) -> Waiting:
@@ -65,3 +65,17 @@ class Halt(Family):
             while self._run.state.needs_attention():
                 yield
         return None
+
+    @lua_function(
+        Argument('program', kinds.NAME, '', 'file of the task, seen from the folder of the main program'),
+        more=True,
+    )
+    def startTask(self, program: str, *_: Any) -> Result:
+        """Runs a program beside this one, with the same globals and further arguments as `...`.
+
+        It neither moves the robot nor changes motion settings.
+        """
+        name, text = self._run.subprogram(program)
+        with self._run.state.condition:
+            number = self._run.state.tasks.add()
+        return f'{number}\n{name}\n{text}'.encode()
