@@ -35,23 +35,8 @@ def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:
     return entries
 
 
-def write_file(path: Path, data: dict[str, Any], what: str, header: str) -> None:
-    """Write a YAML file: the whole new one or, whatever happens, the whole old one.
-
-    Args:
-        path: The file.
-        data: What to write.
-        what: What the file is, for messages.
-        header: Comments at its top.
-
-    Raises:
-        ProgramError: it cannot be written.
-    """
-    write_text(path, yaml_text(data, header), what)
-
-
 def yaml_text(data: dict[str, Any], header: str) -> str:
-    """What `write_file` writes."""
+    """The text of a YAML file, below a header of comments."""
     return header + yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=200)
 
 

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Any, Final
 
-from robots_controller.program.files.atomic_file import read_file, write_file
+from robots_controller.program.files.atomic_file import read_file, write_text, yaml_text
 from robots_core.errors import ProgramError
 
 SUFFIX: Final = '.values.yaml'
@@ -46,7 +46,7 @@ class PersistentValues:
             values[name] = value
         if self._kept:
             entries = {key: list(v) if isinstance(v, tuple) else v for key, v in sorted(values.items())}
-            write_file(self._path, {'values': entries}, WHAT, HEADER)
+            write_text(self._path, yaml_text({'values': entries}, HEADER), WHAT)
         self._values = values
 
     def _read(self) -> dict[str, Value]:
