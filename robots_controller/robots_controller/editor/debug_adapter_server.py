@@ -1,6 +1,7 @@
 """DebugAdapterServer: the socket at which editors connect to debug a robot program."""
 
 import contextlib
+import secrets
 import socket
 import threading
 from pathlib import Path
@@ -15,6 +16,11 @@ HOST: Final = '127.0.0.1'
 SEND_TIMEOUT: Final = 1.0  # s
 # A stranger must not keep editors out.
 TOKEN_TIMEOUT: Final = 10.0  # s
+
+
+def new_token() -> str:
+    """What an editor must give: twelve characters that cannot be guessed."""
+    return secrets.token_urlsafe(9)
 
 
 class DebugAdapterServer:

@@ -14,7 +14,7 @@ from rich.console import Console
 from robots_controller.commands.cell_arguments import CELL_OPTIONS, FILES
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
 from robots_controller.commands.command_table import CELL
-from robots_controller.editor.debug_token import new_token
+from robots_controller.editor.debug_adapter_server import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
 from robots_controller.program_check.first_check import check_first, sizes_of

@@ -17,8 +17,7 @@ from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_change
 from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
-from robots_controller.editor.debug_adapter_server import DebugAdapterServer
-from robots_controller.editor.debug_token import new_token
+from robots_controller.editor.debug_adapter_server import DebugAdapterServer, new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
