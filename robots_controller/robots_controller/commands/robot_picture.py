@@ -5,6 +5,7 @@ from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
@@ -52,7 +53,8 @@ def _outline(robot: BaseRobotModel) -> Iterator[Array]:
         vertices = _corners(shape.geometry) @ shape.pose.T.T + shape.pose.r
         if shape.frame:
             vertices = vertices @ T[shape.frame - 1].T + r[shape.frame - 1]
-        yield from _silhouette(vertices)
+        # Joggled (QJ): a sheet seen from its edge has an outline too.
+        yield from vertices[ConvexHull(vertices[:, ::2], qhull_options='QJ').simplices]
 
 
 def _corners(geometry: Geometry) -> Array:
@@ -69,21 +71,3 @@ def _corners(geometry: Geometry) -> Array:
         case Sphere(radius):
             half = np.full(3, radius)
     return np.array(list(product((-1.0, 1.0), repeat=3))) * half
-
-
-def _silhouette(vertices: Array) -> Iterator[Array]:
-    """The edges of the outline of points seen along y."""
-    flat = vertices[:, ::2]
-    order = sorted(range(len(flat)), key=lambda index: tuple(flat[index]))
-    for side in (order, order[::-1]):
-        chain: list[int] = []
-        for index in side:
-            while len(chain) > 1 and _turn(*flat[[chain[-2], chain[-1], index]]) <= 0.0:
-                chain.pop()
-            chain.append(index)
-        for begin, end in pairwise(chain):
-            yield vertices[[begin, end]]
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
