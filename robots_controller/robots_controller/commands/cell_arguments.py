@@ -1,7 +1,7 @@
 """What `cell` and `simulate` take."""
 
 import argparse
-from typing import Any, Final
+from typing import Final
 
 from robots_controller.commands import value_kinds as kinds
 from robots_controller.defaults import LONGEST_TIME, RATE
@@ -23,10 +23,7 @@ FILES: Final = {
     'io_map': ('FILE', 'map of inputs and outputs to the topics of a PLC (YAML)'),
     'frames': ('FILE', 'tools and bases by name (YAML); by default frames.yaml beside the program'),
     'references': ('BAG', 'recording whose messages guide or jog the robot'),
-    'contact': (
-        'FILE',
-        'what the tool touches, and force control that guides the robot there (YAML)',
-    ),
+    'contact': ('FILE', 'what the tool touches, and force control that guides the robot there (YAML)'),
     'orbit': (
         'FILE',
         "what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
@@ -41,7 +38,7 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--program', default='', help='Lua robot program to run; its header can name its robot and files'
     )
-    parser.add_argument('--namespace', type=kinds.namespace, default='/', help='ROS namespace of all nodes')
+    kinds.add_namespace(parser, 'all nodes')
     _add_what_a_cell_is_made_of(parser)
     parser.add_argument(
         '--record', type=kinds.folder, metavar='FOLDER', help='record a bag below this folder'
@@ -77,13 +74,14 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         help='TCP port at which the robot is an OPC UA server, such as 4840; 0 for none',
     )
     kinds.add_file(parser, '--opcua-access', 'FILE', 'who may do what at the OPC UA server (YAML)')
-    parser.add_argument(
+    kinds.add_number(
+        parser,
         '--watchdog',
-        type=kinds.number('s', least=0.0),
-        default=WATCHDOG,
-        metavar='SECONDS',
-        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit; '
+        's',
+        'time without a sign of life of a node after which the robot stops, s; 0 for no limit; '
         f'{NOT_CERTIFIED}',
+        default=WATCHDOG,
+        least=0.0,
     )
     parser.add_argument(
         '--debug-port',
@@ -127,19 +125,16 @@ def simulate_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='FILE',
         help='file of taught points; by default the one beside the program',
     )
-    parser.add_argument(
-        '--longest',
-        type=kinds.number('s', above=0.0),
-        default=LONGEST_TIME,
-        metavar='SECONDS',
-        help='longest simulated time of the program, s; %(default)g by default',
-    )
+    text = 'longest simulated time of the program, s; %(default)g by default'
+    kinds.add_number(parser, '--longest', 's', text, default=LONGEST_TIME, above=0.0)
     kinds.add_patience(parser)
 
 
-def add_robot(parser: argparse.ArgumentParser, flag: str, text: str, **more: Any) -> None:
-    """Add an argument that names a robot; a shell completes it."""
-    action = parser.add_argument(flag, metavar='ROBOT', help=text, **more)
+def add_robot(parser: argparse.ArgumentParser, flag: str, text: str) -> None:
+    """Add an argument that names a robot; a shell completes it. As an option it is '' by default."""
+    action = parser.add_argument(flag, metavar='ROBOT', help=text)
+    if action.option_strings:
+        action.default = ''
     action.completer = _robot_names  # type: ignore[attr-defined]  # of argcomplete
 
 
@@ -148,7 +143,7 @@ def _robot_names(**_: object) -> list[str]:
 
 
 def _add_what_a_cell_is_made_of(parser: argparse.ArgumentParser) -> None:
-    add_robot(parser, '--robot', 'name of the robot, or urdf:/path/to/robot.urdf', default='')
+    add_robot(parser, '--robot', 'name of the robot, or urdf:/path/to/robot.urdf')
     parser.add_argument(
         '--drive',
         default='second_order',
@@ -164,26 +159,18 @@ def _add_what_a_cell_is_made_of(parser: argparse.ArgumentParser) -> None:
         metavar='KG,X,Y,Z',
         help='payload: mass, centre of mass in tool0 (m), optionally inertia XX,XY,XZ,YY,YZ,ZZ (kg m^2)',
     )
-    parser.add_argument(
-        '--rate',
-        type=kinds.number('Hz', above=0.0),
-        default=RATE,
-        metavar='HZ',
-        help='rate of the references, Hz; %(default)g by default',
-    )
-    parser.add_argument(
-        '--goal-tolerance',
-        type=kinds.number('rad', above=0.0),
-        metavar='RAD',
-        help='largest error with which an axis counts as being at its target, rad',
-    )
-    parser.add_argument(
+    text = 'rate of the references, Hz; %(default)g by default'
+    kinds.add_number(parser, '--rate', 'Hz', text, default=RATE, above=0.0)
+    text = 'largest error with which an axis counts as being at its target, rad'
+    kinds.add_number(parser, '--goal-tolerance', 'rad', text, above=0.0)
+    kinds.add_number(
+        parser,
         '--tool-speed-limit',
-        type=kinds.number('m/s', least=0.0),
-        default=0.0,
-        metavar='M_PER_S',
-        help='highest speed of the tool and of the frames of all axes on every motion; 0 for no limit; '
+        'm/s',
+        'highest speed of the tool and of the frames of all axes on every motion; 0 for no limit; '
         f'{NOT_CERTIFIED}',
+        default=0.0,
+        least=0.0,
     )
     parser.add_argument(
         '--operating-mode',

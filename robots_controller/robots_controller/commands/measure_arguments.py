@@ -49,10 +49,8 @@ def measure_arguments(parser: argparse.ArgumentParser) -> None:
     )
     payload = what.add_parser('payload', help='from the torques of a recorded motion')
     payload.add_argument('file', type=kinds.bag, metavar='BAG', help='a recorded bag, live or simulated')
-    add_robot(payload, '--robot', 'name of the robot; by default the one that the bag names', default='')
-    payload.add_argument(
-        '--namespace', type=kinds.namespace, default='/', help='ROS namespace of the recorded cell'
-    )
+    add_robot(payload, '--robot', 'name of the robot; by default the one that the bag names')
+    kinds.add_namespace(payload, 'the recorded cell')
     for one, beside in ((tool, 'beside the points'), (base, 'beside the points'), (payload, 'here')):
         one.add_argument('--name', default='', help='save the result under this name')
         one.add_argument(
@@ -68,9 +66,4 @@ def measure_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_points_file(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('file', type=Path, metavar='FILE', help='taught points, such as program.points.yaml')
-    add_robot(
-        parser,
-        '--robot',
-        'name of the robot; by default the one that the program of the points names',
-        default='',
-    )
+    add_robot(parser, '--robot', 'name of the robot; by default the one that the program of the points names')

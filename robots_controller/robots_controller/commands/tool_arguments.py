@@ -11,19 +11,11 @@ def check_program_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `check_program`."""
     parser.add_argument('programs', nargs='+', metavar='PROGRAM', help='Lua files')
     add_robot(
-        parser,
-        '--robot',
-        'robot to check the programs for; by default the one that each program names',
-        default='',
+        parser, '--robot', 'robot to check the programs for; by default the one that each program names'
     )
-    for flag, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE)):
-        parser.add_argument(
-            f'--{flag}',
-            type=kinds.whole_number(0),
-            default=size,
-            metavar='COUNT',
-            help=f'number of {flag} inputs and outputs; %(default)d by default',
-        )
+    for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE)):
+        text = f'number of {kind} inputs and outputs; %(default)d by default'
+        kinds.add_count(parser, f'--{kind}', text, default=size)
     parser.add_argument('--walk', action='store_true', help='simulate the programs too')
     kinds.add_file(parser, '--scene', 'FILE', 'simulate, with this scene (YAML)')
     kinds.add_file(
@@ -31,20 +23,10 @@ def check_program_arguments(parser: argparse.ArgumentParser) -> None:
     )
     kinds.add_file(parser, '--io-map', *FILES['io_map'])
     kinds.add_file(parser, '--frames', *FILES['frames'])
-    parser.add_argument(
-        '--combinations',
-        type=kinds.whole_number(1),
-        default=MOST_COMBINATIONS,
-        metavar='COUNT',
-        help='largest number of combinations to simulate; %(default)d by default',
-    )
-    parser.add_argument(
-        '--longest',
-        type=kinds.number('s', above=0.0),
-        default=LONGEST_WALK,
-        metavar='SECONDS',
-        help='longest simulated time of a combination, s; %(default)g by default',
-    )
+    text = 'largest number of combinations to simulate; %(default)d by default'
+    kinds.add_count(parser, '--combinations', text, default=MOST_COMBINATIONS, least=1)
+    text = 'longest simulated time of a combination, s; %(default)g by default'
+    kinds.add_number(parser, '--longest', 's', text, default=LONGEST_WALK, above=0.0)
     kinds.add_patience(parser)
 
 
@@ -55,11 +37,9 @@ def report_arguments(parser: argparse.ArgumentParser) -> None:
         'other', type=kinds.bag, nargs='?', metavar='BAG', help='a second bag, to compare with the first'
     )
     parser.add_argument('-o', '--output', type=kinds.new_file, metavar='FILE', help='write an HTML page')
-    add_robot(parser, '--robot', 'name of the robot; by default the one that the bag names', default='')
+    add_robot(parser, '--robot', 'name of the robot; by default the one that the bag names')
     kinds.add_file(parser, '--scene', 'FILE', 'scene around the robot, for distances (YAML)')
-    parser.add_argument(
-        '--namespace', type=kinds.namespace, default='/', help='ROS namespace of the recorded cell'
-    )
+    kinds.add_namespace(parser, 'the recorded cell')
 
 
 def study_arguments(parser: argparse.ArgumentParser) -> None:
@@ -78,13 +58,8 @@ def study_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='ADDRESS',
         help='run on the workers of the Dask scheduler at this address',
     )
-    parser.add_argument(
-        '--workers',
-        type=kinds.whole_number(0),
-        default=0,
-        metavar='COUNT',
-        help='number of processes on this machine; 0, the default, is one for each core',
-    )
+    text = 'number of processes on this machine; 0, the default, is one for each core'
+    kinds.add_count(parser, '--workers', text, default=0)
 
 
 def check_bag_arguments(parser: argparse.ArgumentParser) -> None:
@@ -110,32 +85,20 @@ def replay_bag_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='TIMES',
         help='speed relative to the recording; %(default)g by default',
     )
-    parser.add_argument(
-        '--start',
-        type=kinds.number('s', least=0.0),
-        default=0.0,
-        metavar='SECONDS',
-        help='time after the first message at which to begin, s',
-    )
+    text = 'time after the first message at which to begin, s'
+    kinds.add_number(parser, '--start', 's', text, default=0.0, least=0.0)
     parser.add_argument('--topics', nargs='+', default=(), help='publish only these topics')
     parser.add_argument(
         '--remap', nargs='+', default=(), metavar='FROM:=TO', help='publish topics under other names'
     )
-    parser.add_argument(
-        '--wait',
-        type=kinds.number('s', least=0.0),
-        default=1.0,
-        metavar='SECONDS',
-        help='longest wait for subscribers, s; %(default)g by default',
-    )
+    text = 'longest wait for subscribers, s; %(default)g by default'
+    kinds.add_number(parser, '--wait', 's', text, default=1.0, least=0.0)
     parser.add_argument('--ros-args', nargs=argparse.REMAINDER, default=(), help='arguments of ROS follow')
 
 
 def lua_meta_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `lua_meta`."""
-    add_robot(
-        parser, '--robot', 'robot for whose number of axes to write the help; any by default', default=''
-    )
+    add_robot(parser, '--robot', 'robot for whose number of axes to write the help; any by default')
 
 
 def list_arguments(parser: argparse.ArgumentParser) -> None:

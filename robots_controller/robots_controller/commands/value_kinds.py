@@ -21,6 +21,7 @@ PLACES: Final = tuple(
 """Where the files of a bag are, seen from a folder."""
 MOST_BAGS: Final = 5
 """Bags that a message names."""
+METAVARS: Final = {'s': 'SECONDS', 'Hz': 'HZ', 'rad': 'RAD', 'm/s': 'M_PER_S'}
 _NAMESPACE: Final = re.compile(r'/|(/[A-Za-z_][A-Za-z0-9_]*)+')
 
 
@@ -161,12 +162,32 @@ def add_file(parser: argparse.ArgumentParser, flag: str, metavar: str, text: str
         action.default = ''
 
 
+def add_number(
+    parser: argparse.ArgumentParser,
+    flag: str,
+    unit: str,
+    text: str,
+    *,
+    default: float | None = None,
+    above: float = -math.inf,
+    least: float = -math.inf,
+) -> None:
+    """Add an option that is a finite number, see `number`."""
+    kind = number(unit, above=above, least=least)
+    parser.add_argument(flag, type=kind, default=default, metavar=METAVARS[unit], help=text)
+
+
+def add_count(parser: argparse.ArgumentParser, flag: str, text: str, *, default: int, least: int = 0) -> None:
+    """Add an option that is a number of things."""
+    parser.add_argument(flag, type=whole_number(least), default=default, metavar='COUNT', help=text)
+
+
 def add_patience(parser: argparse.ArgumentParser) -> None:
     """Add the limit of the time that a command may take."""
-    parser.add_argument(
-        '--patience',
-        type=number('s', above=0.0),
-        default=math.inf,
-        metavar='SECONDS',
-        help='longest time of this machine that simulating a program may take, s; no limit by default',
-    )
+    text = 'longest time of this machine that simulating a program may take, s; no limit by default'
+    add_number(parser, '--patience', 's', text, above=0.0, default=math.inf)
+
+
+def add_namespace(parser: argparse.ArgumentParser, whose: str) -> None:
+    """Add the namespace of a cell."""
+    parser.add_argument('--namespace', type=namespace, default='/', help=f'ROS namespace of {whose}')
