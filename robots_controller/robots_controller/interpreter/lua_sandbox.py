@@ -349,6 +349,11 @@ def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
     return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
 
 
+def lua_globals() -> frozenset[str]:
+    """Names of all globals of Lua, those too that the sandbox withholds from programs."""
+    return frozenset(name.decode() for name in _runtime().globals() if name != b'python')  # lupa's
+
+
 @cache
 def _compiled(chunk: bytes) -> bytes:
     """A chunk of the sandbox as code of Lua, which loads in a seventh of the time of its text."""

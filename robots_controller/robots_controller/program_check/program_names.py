@@ -4,41 +4,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.interpreter.lua_sandbox import lua_globals
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import nesting
 from robots_controller.program_check.other_languages import FUNCTIONS, INSTEAD, VALUES
 from robots_core.wording.nearest_name import did_you_mean
-
-LUA_GLOBALS: Final = frozenset(
-    [
-        '_ENV',
-        '_G',
-        '_VERSION',
-        'assert',
-        'coroutine',
-        'error',
-        'getmetatable',
-        'ipairs',
-        'math',
-        'next',
-        'pairs',
-        'pcall',
-        'rawequal',
-        'rawget',
-        'rawlen',
-        'rawset',
-        'select',
-        'setmetatable',
-        'string',
-        'table',
-        'tonumber',
-        'tostring',
-        'type',
-        'utf8',
-        'xpcall',
-    ]
-)
-"""What a program has of Lua's own."""
 
 FORBIDDEN: Final = frozenset(
     [
@@ -55,6 +25,11 @@ FORBIDDEN: Final = frozenset(
         'warn',
     ]
 )
+"""Globals of Lua that programs do not have."""
+
+LUA_GLOBALS: Final = frozenset({'_ENV', *lua_globals()}) - FORBIDDEN
+"""What a program has of Lua's own."""
+
 SHORTEST: Final = 3  # letters of a name that is compared with others
 _GLOBAL_TABLES: Final = frozenset({'_ENV', '_G'})
 _ATTRIBUTES: Final = frozenset({'const', 'close'})
