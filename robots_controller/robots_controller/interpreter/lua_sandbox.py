@@ -25,7 +25,7 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from functools import cache
-from typing import Any, Final, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from lupa import lua54
 
@@ -33,6 +33,9 @@ from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS, PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.interpreter.syntax_remedies import with_remedy
 from robots_controller.program.program_state import ProgramStopped
+
+if TYPE_CHECKING:
+    from robots_controller.interpreter.program_run import ProgramRun
 
 MAX_MEMORY: Final = 100_000_000  # bytes
 # An instruction may copy a string as long as the memory allows: few of them, so that a stop is quick.
@@ -103,51 +106,17 @@ class Attention(IntFlag):
     DEPTH = 8  # and how deep the stack is
 
 
-class SandboxHost(Protocol):
-    """Serves one run of a program; everything is called from the program's thread.
-
-    Every method may raise ProgramStopped.
-    """
-
-    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Waiting:
-        """Serve a call of a robot function; '' at the program's end. May raise LuaCallError."""
-
-    def poll(self) -> Attention:
-        """Asked every few milliseconds of computing."""
-
-    def computed(self, chunk: str, line: int) -> Attention:
-        """The program has computed for a spell since the last time, and is at a line."""
-
-    def at_line(self, chunk: str, line: int, depth: int) -> Attention:
-        """The program begins a line; asked while it is traced."""
-
-    def attention(self, task: int) -> int | None:
-        """What the program shall attend to: None for nothing, 0 to hold, n for handler n, -n for task n.
-
-        Args:
-            task: A task that begins; the negative of one that has ended; 0 for none.
-        """
-
-    def held(self, *records: str) -> Attention:
-        """Hold the program, which looks like this (see `call_stack`)."""
-
-    def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
-        """The handler has ended; the motion under way continues, or not."""
-
-
 @dataclass(frozen=True)
 class LuaFailure:
-    """Why a program ended early.
+    """Why a program failed.
 
     Attributes:
-        stopped: It was stopped; there is nothing else to say.
         chunk: The program or subprogram.
         line: Its line, 0 if none is known.
         reason: Lua's message without file and line.
         stack: The program's lines that led there, innermost first; '' if none is known.
     """
 
-    stopped: bool
     chunk: str
     line: int
     reason: str
@@ -169,7 +138,7 @@ class LuaSandbox:
         source: LuaSource,
         *,
         functions: tuple[str, ...],
-        host: SandboxHost,
+        host: ProgramRun,
         spell: float = math.inf,
     ) -> None:
         self._source = source
@@ -179,7 +148,8 @@ class LuaSandbox:
         self._values: tuple[int | float, ...] = ()
         self._waiting: dict[int, Waiting] = {}
         self._tokens = itertools.count(1)
-        self._stopped = False
+        self.stopped = False
+        """The program was stopped, or a callback has failed."""
         self.host_error: BaseException | None = None
         """What a callback raised that is not the program's fault; it ends the run as a stop does."""
 
@@ -187,7 +157,7 @@ class LuaSandbox:
         """Run the program to its end.
 
         Returns:
-            None at its end, or why it ended early.
+            Why it failed; None at its end, or where it was stopped.
         """
         runtime, host = _runtime(), self._host
         callbacks = (
@@ -220,19 +190,17 @@ class LuaSandbox:
             outcome = run()
         except lua54.LuaError:
             # A stop may come between the program's end and the end of its supervision.
-            if not self._stopped:
+            if not self.stopped:
                 raise
-            return LuaFailure(True, '', 0, '', '')
+            return None
         finally:
             for waiting in self._waiting.values():
                 waiting.close()
         if outcome is None:
             return None
-        stopped, chunk, line, reason, stack = outcome
-        if stopped:
-            return LuaFailure(True, '', 0, '', '')
+        chunk, line, reason, stack = outcome
         line, text = _located(chunk.decode(), line, reason.decode(errors='replace'))
-        return LuaFailure(False, chunk.decode(), line, with_remedy(text), stack.decode(errors='replace'))
+        return LuaFailure(chunk.decode(), line, with_remedy(text), stack.decode(errors='replace'))
 
     # Called from Lua: an exception would become a Lua value that the program can see, so none leaves.
 
@@ -277,7 +245,7 @@ class LuaSandbox:
             message = str(error).encode(errors='replace')
             self._put_text(message)
             return _FAILED, len(message), 0
-        self._stopped = True
+        self.stopped = True
         if not isinstance(error, ProgramStopped):
             self.host_error = error
         return _STOP, 0, 0

@@ -26,6 +26,8 @@ from robots_core.errors import ProgramError
 class ProgramRun:
     """Serves the sandbox: the robot's functions, subprograms, interrupts, and the debugger.
 
+    The sandbox calls it from the program's thread; every such method may raise ProgramStopped.
+
     Args:
         source: The program.
         state: What the program shares with its cell.
@@ -90,9 +92,9 @@ class ProgramRun:
             self._robot.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
                 self._cell.abort()
-        if error is not None or failure:
+        if error is not None or sandbox.stopped:
             self._cell.interrupted()
-        return error, bool(failure)
+        return error, sandbox.stopped
 
     def source_of(self, file: str) -> LuaSource:
         """The program or subprogram with this name."""
@@ -101,7 +103,7 @@ class ProgramRun:
     # -- called by the sandbox --------------------------------------------------------------------
 
     def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Waiting:
-        """Serve a call of a robot function."""
+        """Serve a call of a robot function; '' at the program's end. Raises a LuaCallError."""
         if not name:
             return self._functions.finish()
         if self._state.tasks.current is not None:
@@ -111,7 +113,7 @@ class ProgramRun:
         return self._functions.serve(name, arguments)
 
     def poll(self) -> Attention:
-        """What interrupts the program while it computes."""
+        """What interrupts the program while it computes; asked every few milliseconds."""
         attention = Attention.ATTEND if self._state.needs_attention() else Attention.NONE
         if self._debugger.tracing:
             attention |= Attention.TRACE
@@ -136,7 +138,11 @@ class ProgramRun:
         return self.poll()
 
     def attention(self, task: int) -> int | None:
-        """What the program shall attend to."""
+        """What the program shall attend to: None for nothing, 0 to hold, n for handler n, -n for task n.
+
+        Args:
+            task: A task that begins; the negative of one that has ended; 0 for none.
+        """
         state = self._state
         state.tasks.current = None
         if task > 0:
@@ -160,7 +166,7 @@ class ProgramRun:
         return handler
 
     def held(self, *records: str) -> Attention:
-        """Hold the program."""
+        """Hold the program, which looks like this (see `call_stack`)."""
         stack = call_stack(records)
         if stack.frames:
             frame = stack.frames[0]
@@ -176,7 +182,7 @@ class ProgramRun:
         return self.poll()
 
     def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
-        """The handler of an input has ended."""
+        """The handler of an input has ended; the motion under way continues, or not."""
         try:
             self._functions.motions.handled(abort=abort)
         finally:
@@ -200,7 +206,7 @@ class ProgramRun:
         return source.chunk_name, source.text
 
     def _error(self, failure: LuaFailure | None) -> ProgramError | None:
-        if failure is None or failure.stopped:
+        if failure is None:
             return None
         functions, source = self._functions.motions, self._sources.get(failure.chunk, self._source)
         details: dict[str, str | float] = {}

@@ -21,7 +21,7 @@ end
 
 return function()
   local program, problem = load(text, source, 't', env)
-  if not program then return false, name, 0, problem, '' end
+  if not program then return name, 0, problem, '' end
   local ok, failure = xpcall(function()
     sethook(hook, '', count)
     trace(ask())                        -- the first line reports what is due at the start
@@ -29,10 +29,9 @@ return function()
     call('', {}, 0)                     -- the program ends when the robot stands
   end, describe)
   sethook()
-  if stopped then return true, name, 0, '', '' end
-  if ok then return nil end
+  if ok or stopped then return nil end
   if type(failure) == 'table' then
-    return false, failure.chunk, failure.line, failure.reason, failure.stack
+    return failure.chunk, failure.line, failure.reason, failure.stack
   end
-  return false, name, 0, tostring(failure), ''
+  return name, 0, tostring(failure), ''
 end
