@@ -11,14 +11,14 @@ from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPolicyNone
 
-from robots_controller.io.plant.credentials import read_credential
+from robots_controller.io.plant.credentials import application_uri, read_credential
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
 from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES
 from robots_controller.opcua.address_space.node_writer import NAMESPACE
 from robots_controller.opcua.address_space.robot_nodes import RobotNodes
 from robots_controller.opcua.robot_port import RobotPort
-from robots_controller.opcua.server_access import NOBODY, ServerAccess, application_uri
+from robots_controller.opcua.server_access import NOBODY, ServerAccess
 from robots_controller.opcua.server_settings import ServerSettings
 from robots_controller.opcua.task_control import TaskControl
 from robots_controller.pendant.pendant_state import PendantState

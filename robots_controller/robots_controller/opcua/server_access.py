@@ -11,7 +11,7 @@ from asyncua.crypto.permission_rules import PermissionRuleset, User, UserRole
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 
-from robots_controller.io.plant.credentials import read_credential, read_password
+from robots_controller.io.plant.credentials import load_certificate, read_password
 from robots_controller.opcua.server_settings import ServerSettings, ServerUser
 from robots_core.errors import InvalidInputError, RobotsError
 
@@ -106,31 +106,16 @@ class ServerAccess(PermissionRuleset):  # type: ignore[misc]
             raise ua.UaStatusCodeError(ua.StatusCodes.BadCertificateUntrusted)
 
 
-def application_uri(certificate: str) -> str:
-    """The application that a certificate is of, '' for none."""
-    try:
-        names = _loaded(certificate).extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    except x509.ExtensionNotFound:
-        return ''
-    return next(iter(names.get_values_for_type(x509.UniformResourceIdentifier)), '')
-
-
 def _user(known: ServerUser) -> User:
     return User(role=UserRole.User if known.operate else UserRole.Anonymous, name=known.name)
 
 
 def _der(path: str) -> bytes:
     try:
-        return _loaded(path).public_bytes(Encoding.DER)
+        return load_certificate(path).public_bytes(Encoding.DER)
     except RobotsError:
         raise
     except ValueError as error:
         raise InvalidInputError(
             f'certificate {path} cannot be read: {error}; valid are DER and PEM'
         ) from error
-
-
-def _loaded(path: str) -> x509.Certificate:
-    data = read_credential(path, 'certificate')
-    load = x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate
-    return load(data)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from robots_core.errors import InvalidInputError
 from robots_core.files.user_file import read_bytes, read_text
 from robots_core.files.yaml_section import YamlSection
+
+if TYPE_CHECKING:
+    from cryptography import x509
 
 MAX_CREDENTIAL: Final = 1_000_000
 """Of a certificate, a key or a password, bytes."""
@@ -99,3 +102,27 @@ def read_password(path: Path | str) -> str:
         InvalidInputError: the file cannot be read.
     """
     return read_text(path, 'password file', largest=MAX_CREDENTIAL).partition('\n')[0]
+
+
+def load_certificate(path: Path | str) -> x509.Certificate:
+    """A certificate, PEM or DER, by the package cryptography, which asyncua needs.
+
+    Raises:
+        InvalidInputError: the file cannot be read.
+        ValueError: it is no certificate.
+    """
+    from cryptography import x509  # noqa: PLC0415  # maps without OPC UA work without it
+
+    data = read_credential(path, 'certificate')
+    return (x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate)(data)
+
+
+def application_uri(path: Path | str) -> str:
+    """The application of OPC UA that a certificate is of, '' for none; see `load_certificate`."""
+    from cryptography import x509  # noqa: PLC0415
+
+    try:
+        names = load_certificate(path).extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except x509.ExtensionNotFound:
+        return ''
+    return str(next(iter(names.get_values_for_type(x509.UniformResourceIdentifier)), ''))

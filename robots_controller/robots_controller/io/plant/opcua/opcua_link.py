@@ -9,12 +9,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from itertools import islice
-from pathlib import Path
 from typing import Any, Final
 
 from robots_controller.io.bridge.io_port import Arrival, Number
 from robots_controller.io.bridge.place import Place
-from robots_controller.io.plant.credentials import read_credential
+from robots_controller.io.plant.credentials import application_uri, read_credential
 from robots_controller.io.plant.opcua.opcua_frames import FrameGuard
 from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES, OpcuaServer
 from robots_controller.io.plant.plant_link import LinkError, library
@@ -193,7 +192,7 @@ class OpcuaLink:
         for path, what in ((credentials.key, 'key'), (credentials.trusted, 'trusted certificate')):
             if path:
                 read_credential(path, what)
-        client.application_uri = _application_uri(Path(credentials.certificate))
+        client.application_uri = application_uri(credentials.certificate)
         client.tloop.post(
             client.aio_obj.set_security(
                 getattr(policies, POLICIES[server.security]),
@@ -215,15 +214,6 @@ class OpcuaLink:
         except (OSError, self._ua.UaError) as error:
             reason = self._frames.refused or str(error).strip() or type(error).__name__
             raise LinkError(f'{self._server.endpoint}: {reason}') from error
-
-
-def _application_uri(certificate: Path) -> str:
-    """The application that a certificate (PEM or DER) is of, which must say the same."""
-    x509 = library('cryptography.x509', 'cryptography', 'opcua')
-    data = read_credential(certificate, 'certificate')
-    load = x509.load_pem_x509_certificate if b'-----BEGIN' in data else x509.load_der_x509_certificate
-    names = load(data).extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    return str(next(iter(names.get_values_for_type(x509.UniformResourceIdentifier)), ''))
 
 
 def _chunks(places: Iterable[Any]) -> Iterator[list[Any]]:
