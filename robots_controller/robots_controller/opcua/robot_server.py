@@ -119,9 +119,15 @@ class RobotServer:
             server.set_certificate_validator(self._access.check_certificate)
         server.set_security_policy(policies, permission_ruleset=self._access)
         namespace = await server.register_namespace(NAMESPACE)
-        self._nodes = RobotNodes(server, namespace, self._robot, settings.nameplate, self._programs)
+        self._nodes = RobotNodes(
+            server,
+            namespace,
+            self._robot,
+            settings.nameplate,
+            programs=self._programs,
+            control=self._control,
+        )
         await self._nodes.build()
-        await self._nodes.task.link(self._control)
         server.subscribe_server_callback(CallbackType.PostWrite, self._on_written)
         await start_guarded(server)
         self._server = server

@@ -21,22 +21,17 @@ class ChannelNodes:
 
     Args:
         instances: Where they are added.
-        namespace: Index of the namespace of the robot.
         path: Of the object that has the channels.
     """
 
-    def __init__(self, instances: Instances, namespace: int, path: str) -> None:
-        self._made, self._namespace, self._path = instances, namespace, path
+    def __init__(self, instances: Instances, path: str) -> None:
+        self._made, self._path = instances, path
         self._channels: dict[ua.NodeId, Channel] = {}
         self._written: ShownIo | None = None
 
-    async def build(self, parent: ua.NodeId) -> None:
-        """Add the object that has the channels.
-
-        Args:
-            parent: Folder of the components.
-        """
-        await self._made.add(self._path, 'AuxiliaryComponentType', parent, optional=('ParameterSet',))
+    async def build(self) -> None:
+        """Add the object that has the channels."""
+        await self._made.add(self._path, 'AuxiliaryComponentType', optional=('ParameterSet',))
         await self._made.write(f'{self._path}/ProductCode', '')
 
     async def update(self, io: ShownIo) -> None:
@@ -60,8 +55,7 @@ class ChannelNodes:
         await self._made.add_variable(
             path,
             Member(channel.name, 0, 'variable', kind),
-            self._made.id(f'{self._path}/ParameterSet'),
-            name=ua.QualifiedName(channel.name, self._namespace),
+            ua.QualifiedName(channel.name, self._made.writer.own),
             label=channel.label,
             writable=channel.direction == 'output',
         )

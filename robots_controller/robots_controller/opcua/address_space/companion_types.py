@@ -326,11 +326,6 @@ TRANSITION_REASONS: Final = ('Unknown', 'External', 'Direct', 'System', 'Error',
 """Values of LastTransitionReason, from 0 on."""
 
 
-def enumeration_value(enumeration: str, text: str) -> int:
-    """The number of a value of an enumeration."""
-    return ENUMERATIONS[enumeration][2].index(text)
-
-
 def all_members(name: str) -> tuple[Member, ...]:
     """Members of the objects of a type, those of its bases first; it may declare those anew."""
     found = OBJECT_TYPES.get(name)

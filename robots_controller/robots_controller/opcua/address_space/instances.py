@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any, Final
 
 from asyncua import ua
 
-from robots_controller.opcua.address_space.companion_types import Member, all_members
+from robots_controller.opcua.address_space.companion_types import ENUMERATIONS, Member, all_members
 from robots_controller.opcua.address_space.node_writer import PARTS, NodeWriter, type_of_data
 
 STRUCTURES: Final = {
@@ -34,21 +34,21 @@ class Instances:
     """
 
     def __init__(self, writer: NodeWriter) -> None:
-        self._writer = writer
+        self.writer: Final = writer
         self._types: dict[str, str] = {}
         """Data types of variables, by path."""
         self._values: dict[str, Any] = {}
 
     def id(self, path: str) -> ua.NodeId:
         """The node at a path."""
-        return ua.NodeId(path, self._writer.own)
+        return ua.NodeId(path, self.writer.own)
 
     async def add(
         self,
         path: str,
         type_name: str,
-        parent: ua.NodeId,
         *,
+        parent: ua.NodeId | None = None,
         reference: str = 'ua:HasComponent',
         optional: Collection[str] = (),
         description: str = '',
@@ -59,7 +59,7 @@ class Instances:
         Args:
             path: Of the object.
             type_name: Its type.
-            parent: What it belongs to.
+            parent: What it belongs to, if that is not the node that its path says.
             reference: From the parent.
             optional: Browse names of the optional members that it has, at any depth.
             description: For a person.
@@ -67,11 +67,11 @@ class Instances:
         """
         attributes = ua.ObjectAttributes()
         attributes.Description = ua.LocalizedText(description) if description else ua.LocalizedText()
-        bare = path.rpartition('/')[2]
-        await self._writer.add(
+        above, _, bare = path.rpartition('/')
+        await self.writer.add(
             self.id(path),
-            name or ua.QualifiedName(bare, self._writer.own),
-            parent,
+            name or ua.QualifiedName(bare, self.writer.own),
+            parent or self.id(above),
             attributes,
             reference=reference,
             type_name=type_name,
@@ -91,48 +91,34 @@ class Instances:
             if member.optional and bare not in optional:
                 continue
             if member.kind != 'object':
-                await self.add_variable(below, member, self.id(path))
+                await self.add_variable(below, member)
                 continue
             addin = 'ua:HasAddIn' if bare == 'TaskControlOperation' else 'ua:HasComponent'
-            name = self._writer.browse_name(member.name)
-            await self.add(below, member.type, self.id(path), reference=addin, optional=optional, name=name)
+            name = self.writer.browse_name(member.name)
+            await self.add(below, member.type, reference=addin, optional=optional, name=name)
             await self._add_members(below, member.members, optional)
 
     async def add_variable(
-        self,
-        path: str,
-        member: Member,
-        parent: ua.NodeId,
-        *,
-        name: ua.QualifiedName | None = None,
-        writable: bool = False,
-        label: str = '',
+        self, path: str, member: Member, name: ua.QualifiedName | None = None, **options: Any
     ) -> None:
         """Add a variable with the parts that its type has.
 
         Args:
             path: Of the variable.
             member: Its class, data type and type.
-            parent: What it belongs to.
             name: Its browse name; that of the member by default.
-            writable: For users that may operate.
-            label: Shown to a person; the browse name by default.
+            options: Of `NodeWriter.add_variable`.
         """
-        name = name or self._writer.browse_name(member.name)
-        await self._writer.add_variable(
-            self.id(path),
-            name,
-            parent,
-            member,
-            writable=writable,
-            label=label,
+        name = name or self.writer.browse_name(member.name)
+        await self.writer.add_variable(
+            self.id(path), name, self.id(path.rpartition('/')[0]), member, **options
         )
         self._types[path] = member.type.removeprefix('ua:')
         for part, kind, data in PARTS.get(member.variable_type, ()):
             below = Member(
                 f'ua:{part}', 0, kind, f'ua:{data}', type_of_data(data), is_list=data == 'EnumValueType'
             )
-            await self.add_variable(f'{path}/{part}', below, self.id(path))
+            await self.add_variable(f'{path}/{part}', below)
 
     async def add_method(self, path: str, inputs: list[ua.Argument], callback: Any) -> None:
         """Add a method of the type of its object, which returns a status.
@@ -142,7 +128,7 @@ class Instances:
             inputs: Its arguments.
             callback: A coroutine function of the object's node and the arguments, as variants.
         """
-        writer = self._writer
+        writer = self.writer
         parent, _, name = path.rpartition('/')
         attributes = ua.MethodAttributes()
         attributes.Executable = attributes.UserExecutable = True
@@ -162,7 +148,11 @@ class Instances:
     async def delete(self, path: str) -> None:
         """Delete an object and the variables that were added below it."""
         below = [one for one in self._types if one.startswith(f'{path}/')]
-        await self._writer.delete(self.id(path), map(self.id, below))
+        # Nothing but their parents refers to the variables.
+        items = [ua.DeleteNodesItem(self.id(one), DeleteTargetReferences=False) for one in below]
+        items.append(ua.DeleteNodesItem(self.id(path)))
+        for status in await self.writer.server.iserver.isession.delete_nodes(ua.DeleteNodesParameters(items)):
+            status.check()
         for one in below:
             del self._types[one]
             self._values.pop(one, None)
@@ -172,7 +162,7 @@ class Instances:
 
         Args:
             path: Of the variable.
-            value: As Python has it, or a structure of asyncua.
+            value: As Python has it, the text of an enumeration, or a structure of asyncua.
         """
         if path in self._values and self._values[path] == value:
             return
@@ -182,9 +172,14 @@ class Instances:
         if value is INACTIVE:
             status = ua.StatusCode(ua.StatusCodes.BadStateNotActive)
             data = ua.DataValue(StatusCode=status, SourceTimestamp=now)
-        await self._writer.server.write_attribute_value(self.id(path), data)
+        await self.writer.server.write_attribute_value(self.id(path), data)
         for part in STRUCTURES.get(self._types[path], ()):
             await self.write(f'{path}/{part}', getattr(value, part))
+
+    async def write_all(self, path: str, values: Mapping[str, Any]) -> None:
+        """Give variables below a node their values, by their paths from there; see `write`."""
+        for below, value in values.items():
+            await self.write(f'{path}/{below}', value)
 
     def note(self, path: str, value: Any) -> None:
         """Take notice of a value that a client has written."""
@@ -209,6 +204,6 @@ def _variant(value: Any, data: str) -> ua.Variant:
         return ua.Variant(ua.LocalizedText(value), ua.VariantType.LocalizedText)
     if data in ua.VariantType.__members__:
         return ua.Variant(value, ua.VariantType[data])
-    if data.endswith('Enumeration'):
-        return ua.Variant(value, ua.VariantType.Int32)
+    if data in ENUMERATIONS:
+        return ua.Variant(ENUMERATIONS[data][2].index(value), ua.VariantType.Int32)
     return ua.Variant(value, ua.VariantType.ExtensionObject)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 from asyncua import ua
@@ -130,17 +130,9 @@ class NodeWriter:
         own = uri == NAMESPACE if uri else given.NamespaceIndex == self.own
         return ua.NodeId(given.Identifier, self.own) if own and not server else None
 
-    async def delete(self, node: ua.NodeId, below: Iterable[ua.NodeId]) -> None:
-        """Delete a node, and first those below it, which nothing else refers to."""
-        items = [ua.DeleteNodesItem(one, DeleteTargetReferences=False) for one in below]
-        items.append(ua.DeleteNodesItem(node))
-        for status in await self.server.iserver.isession.delete_nodes(ua.DeleteNodesParameters(items)):
-            status.check()
-
     async def refer(self, source: ua.NodeId, reference: str, target: ua.NodeId) -> None:
         """Add a reference, and its inverse."""
         await self.server.get_node(source).add_reference(target, self.type_id(reference))
-        await self.server.get_node(target).add_reference(source, self.type_id(reference), forward=False)
 
     async def add_variable(
         self,

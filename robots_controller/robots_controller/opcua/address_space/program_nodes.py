@@ -15,7 +15,6 @@ from asyncua import ua
 
 from robots_controller.opcua.address_space.companion_types import Member
 from robots_controller.opcua.address_space.instances import Instances
-from robots_controller.opcua.address_space.node_writer import NodeWriter
 from robots_controller.opcua.method_calls import answered, wrong_arguments
 from robots_controller.pendant.programs import program_files
 from robots_core.errors import InvalidInputError
@@ -56,13 +55,12 @@ class ProgramNodes:
 
     Args:
         instances: Where they are added.
-        writer: Of the address space.
         path: Of the directory, which is there already.
         folder: Folder of the robot programs.
     """
 
-    def __init__(self, instances: Instances, writer: NodeWriter, path: str, folder: Path) -> None:
-        self._made, self._writer, self._path, self._folder = instances, writer, path, folder
+    def __init__(self, instances: Instances, path: str, folder: Path) -> None:
+        self._made, self._path, self._folder = instances, path, folder
         self._sizes: dict[str, int] = {}
         """Of programs by name, bytes."""
         self._directories: set[str] = set()
@@ -81,7 +79,7 @@ class ProgramNodes:
             'GetPosition': ([_HANDLE], self._get_position),
             'SetPosition': ([_HANDLE, ua.VariantType.UInt64], self._set_position),
         }
-        session = self._writer.server.iserver.isession
+        session = self._made.writer.server.iserver.isession
         for name, (kinds, work) in calls.items():
             session.add_method_callback(_method('FileType', name), self._answering(kinds, work))
         for name in DIRECTORY_METHODS:
@@ -125,7 +123,7 @@ class ProgramNodes:
         Raises:
             InvalidInputError: it is none.
         """
-        node = self._writer.own_node(given)
+        node = self._made.writer.own_node(given)
         prefix = f'{self._path}/'
         name = str(node.Identifier).removeprefix(prefix) if node is not None else ''
         if name not in self._sizes or node != self._made.id(prefix + name):
@@ -144,19 +142,16 @@ class ProgramNodes:
         path = await self._add_object(name, 'FileType')
         await self._share(path, 'FileType', FILE_METHODS)
         for member in PROPERTIES:
-            await made.add_variable(f'{path}/{member.name.removeprefix("ua:")}', member, made.id(path))
-        await made.write(f'{path}/Writable', value=False)
-        await made.write(f'{path}/UserWritable', value=False)
-        await made.write(f'{path}/OpenCount', 0)
+            await made.add_variable(f'{path}/{member.name.removeprefix("ua:")}', member)
+        await made.write_all(path, {'Writable': False, 'UserWritable': False, 'OpenCount': 0})
 
     async def _add_object(self, name: str, kind: str) -> str:
         path = f'{self._path}/{name}'
-        parent = self._made.id(path.rpartition('/')[0])
-        await self._made.add(path, f'ua:{kind}', parent, reference='ua:Organizes')
+        await self._made.add(path, f'ua:{kind}', reference='ua:Organizes')
         return path
 
     async def _share(self, path: str, kind: str, methods: tuple[str, ...]) -> None:
-        node = self._writer.server.get_node(self._made.id(path))
+        node = self._made.writer.server.get_node(self._made.id(path))
         for name in methods:
             await node.add_reference(_method(kind, name), ua.ObjectIds.HasComponent, bidirectional=False)
 

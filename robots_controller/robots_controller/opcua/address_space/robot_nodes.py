@@ -12,7 +12,7 @@ import numpy as np
 from asyncua import ua
 
 from robots_controller.opcua.address_space.channel_nodes import ChannelNodes
-from robots_controller.opcua.address_space.companion_types import DEVICE_SET, DI, Member, enumeration_value
+from robots_controller.opcua.address_space.companion_types import DEVICE_SET, DI, Member
 from robots_controller.opcua.address_space.engineering_units import engineering_unit
 from robots_controller.opcua.address_space.instances import Instances
 from robots_controller.opcua.address_space.node_writer import NodeWriter
@@ -20,6 +20,7 @@ from robots_controller.opcua.address_space.program_nodes import ProgramNodes
 from robots_controller.opcua.address_space.task_nodes import TaskNodes
 from robots_controller.opcua.address_space.type_nodes import add_types
 from robots_controller.opcua.server_settings import Nameplate
+from robots_controller.opcua.task_control import TaskControl
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -53,6 +54,7 @@ class RobotNodes:
         robot: The robot.
         nameplate: What its maker says of it.
         programs: Folder of the robot programs.
+        control: What the methods of the program do.
     """
 
     def __init__(
@@ -61,27 +63,25 @@ class RobotNodes:
         namespace: int,
         robot: BaseRobotModel,
         nameplate: Nameplate,
+        *,
         programs: Path,
+        control: TaskControl,
     ) -> None:
-        self._writer = NodeWriter(server, namespace)
-        self.instances: Final = Instances(self._writer)
+        self._made = Instances(NodeWriter(server, namespace))
         self._robot, self._plate = robot, nameplate
         device = robot.name.replace('/', '_')
         self._device = f'{SYSTEM}/MotionDevices/{device}'
-        self._controller = f'{SYSTEM}/Controllers/Controller'
+        self._controller = controller = f'{SYSTEM}/Controllers/Controller'
         self._safety = f'{SYSTEM}/SafetyStates/SafetyState'
-        self._programs = ProgramNodes(self.instances, self._writer, f'{self._controller}/Programs', programs)
-        self.task: Final = TaskNodes(
-            self.instances, self._writer, f'{self._controller}/TaskControls/TaskControl', self._programs
-        )
-        self.channels: Final = ChannelNodes(
-            self.instances, namespace, f'{self._controller}/Components/InputsAndOutputs'
-        )
+        self._programs = ProgramNodes(self._made, f'{controller}/Programs', programs)
+        self._task = TaskNodes(self._made, f'{controller}/TaskControls/TaskControl', self._programs, control)
+        self.channels: Final = ChannelNodes(self._made, f'{controller}/Components/InputsAndOutputs')
         self._payload: Payload | None = None
 
     async def build(self) -> None:
         """Add all nodes but those of inputs and outputs, which are added when they are known."""
-        writer, made = self._writer, self.instances
+        made = self._made
+        writer = made.writer
         await add_types(writer)
         device_set = ua.NodeId(DEVICE_SET, await writer.server.get_namespace_index(DI))
         await writer.add(
@@ -92,38 +92,35 @@ class RobotNodes:
             reference='ua:Organizes',
             type_name='ua:BaseObjectType',
         )
-        await made.add(SYSTEM, 'MotionDeviceSystemType', device_set, optional=('ComponentName',))
+        await made.add(SYSTEM, 'MotionDeviceSystemType', parent=device_set, optional=('ComponentName',))
         await made.write(f'{SYSTEM}/ComponentName', self._robot.name)
         await self._add_device()
         await self._add_controller()
-        await made.add(
-            self._safety,
-            'SafetyStateType',
-            made.id(f'{SYSTEM}/SafetyStates'),
-            description=INFORMATIONAL,
-        )
+        await made.add(self._safety, 'SafetyStateType', description=INFORMATIONAL)
         await writer.refer(made.id(self._controller), 'Controls', made.id(self._device))
         await writer.refer(made.id(self._controller), 'HasSafetyStates', made.id(self._safety))
-        await writer.refer(made.id(self.task.path), 'Controls', made.id(self._device))
-        await made.write(f'{self._device}/TaskControlReference', made.id(self.task.path))
+        await writer.refer(made.id(self._task.path), 'Controls', made.id(self._device))
+        await made.write(f'{self._device}/TaskControlReference', made.id(self._task.path))
 
     async def update(self, state: PendantState) -> None:
         """Give the variables the values of a state; what is not known yet stays null."""
-        made, device, safety = self.instances, self._device, f'{self._safety}/ParameterSet'
-        await made.write(f'{device}/ParameterSet/InControl', state.drives_on)
-        await made.write(f'{device}/ParameterSet/SpeedOverride', 100.0 * state.override)
-        for quantity, values in (('ActualPosition', state.q), ('ActualSpeed', state.q_dot)):
-            for axis, value in zip(self._axes, () if values is None else values.tolist(), strict=False):
+        made, device = self._made, self._device
+        motion = {'InControl': state.drives_on, 'SpeedOverride': 100.0 * state.override}
+        await made.write_all(f'{device}/ParameterSet', motion)
+        for quantity, numbers in (('ActualPosition', state.q), ('ActualSpeed', state.q_dot)):
+            for axis, value in zip(self._axes, () if numbers is None else numbers.tolist(), strict=False):
                 await made.write(f'{device}/Axes/{axis}/ParameterSet/{quantity}', value)
         for axis, rate in zip(self._axes, self._load_rates(state.torque), strict=False):
             await made.write(f'{device}/PowerTrains/{axis}/Motor/ParameterSet/EffectiveLoadRate', rate)
         await self._write_load(state.payload)
-        mode = enumeration_value('OperationalModeEnumeration', MODES[state.mode])
-        await made.write(f'{safety}/OperationalMode', mode)
-        await made.write(f'{safety}/EmergencyStop', bool(state.fault) and state.emergency_stop)
-        await made.write(f'{safety}/ProtectiveStop', bool(state.fault) and not state.emergency_stop)
+        safety = {
+            'OperationalMode': MODES[state.mode],
+            'EmergencyStop': bool(state.fault) and state.emergency_stop,
+            'ProtectiveStop': bool(state.fault) and not state.emergency_stop,
+        }
+        await made.write_all(f'{self._safety}/ParameterSet', safety)
         await made.write(f'{self._controller}/CurrentUser/Level', state.commander.value)
-        await self.task.update(state.program)
+        await self._task.update(state.program)
         await self.channels.update(state.io)
         await self._programs.update()
 
@@ -140,28 +137,26 @@ class RobotNodes:
         return [int(min(rate, LARGEST_RATE)) for rate in rates]
 
     async def _add_device(self) -> None:
-        made, device, axes = self.instances, self._device, self._robot.axes_data
-        parent = made.id(f'{SYSTEM}/MotionDevices')
-        await made.add(
-            device, 'MotionDeviceType', parent, optional=('InControl', 'FlangeLoad', 'CenterOfMass')
-        )
-        await self._write_plate(device)
-        category = 'ARTICULATED_ROBOT' if not any(axes.prismatic) else 'OTHER'
-        await made.write(
-            f'{device}/MotionDeviceCategory', enumeration_value('MotionDeviceCategoryEnumeration', category)
-        )
-        await made.write(f'{device}/FlangeLoad/Mass/EngineeringUnits', engineering_unit('kg'))
+        made, device, plate, axes = self._made, self._device, self._plate, self._robot.axes_data
+        await made.add(device, 'MotionDeviceType', optional=('InControl', 'FlangeLoad', 'CenterOfMass'))
+        values = {
+            'Manufacturer': plate.manufacturer,
+            'Model': plate.model or self._robot.name,
+            'SerialNumber': plate.serial_number,
+            'ProductCode': plate.product_code,
+            'MotionDeviceCategory': 'OTHER' if any(axes.prismatic) else 'ARTICULATED_ROBOT',
+            'FlangeLoad/Mass/EngineeringUnits': engineering_unit('kg'),
+        }
+        await made.write_all(device, values)
         for index, name in enumerate(axes.names):
             await self._add_axis(index, f'{device}/Axes/{name}')
             await self._add_power_train(index, f'{device}/PowerTrains/{name}', f'{device}/Axes/{name}')
 
     async def _add_axis(self, index: int, path: str) -> None:
-        made, axes = self.instances, self._robot.axes_data
-        await made.add(path, 'AxisType', made.id(f'{self._device}/Axes'), optional=('ActualSpeed',))
-        profile = ('LINEAR' if axes.prismatic[index] else 'ROTARY') + '_ENDLESS' * bool(
-            axes.continuous[index]
-        )
-        await made.write(f'{path}/MotionProfile', enumeration_value('AxisMotionProfileEnumeration', profile))
+        made, axes = self._made, self._robot.axes_data
+        await made.add(path, 'AxisType', optional=('ActualSpeed',))
+        profile = 'LINEAR' if axes.prismatic[index] else 'ROTARY'
+        await made.write(f'{path}/MotionProfile', profile + '_ENDLESS' * bool(axes.continuous[index]))
         ranges = {
             'ActualPosition': ('position', axes.lower[index], axes.upper[index]),
             'ActualSpeed': ('velocity', -axes.velocity[index], axes.velocity[index]),
@@ -169,54 +164,51 @@ class RobotNodes:
         for name, (quantity, low, high) in ranges.items():
             variable = f'{path}/ParameterSet/{name}'
             await made.write(f'{variable}/EngineeringUnits', engineering_unit(axes.unit(index, quantity)))
-            await made.add_variable(f'{variable}/EURange', RANGE, made.id(variable))
+            await made.add_variable(f'{variable}/EURange', RANGE)
             await made.write(f'{variable}/EURange', ua.Range(Low=float(low), High=float(high)))
 
     async def _add_power_train(self, index: int, path: str, axis: str) -> None:
-        made, writer = self.instances, self._writer
-        train = await made.add(path, 'PowerTrainType', made.id(f'{self._device}/PowerTrains'))
-        await made.add(f'{path}/Motor', 'MotorType', train, optional=('EffectiveLoadRate',))
+        made = self._made
+        train = await made.add(path, 'PowerTrainType')
+        await made.add(f'{path}/Motor', 'MotorType', optional=('EffectiveLoadRate',))
         temperature = f'{path}/Motor/ParameterSet/MotorTemperature'
         await made.write(f'{temperature}/EngineeringUnits', engineering_unit('°C'))
         ratio = float(self._robot.axes_data.gear_ratio[index])
         if np.isfinite(ratio):
-            await made.add(f'{path}/Gear', 'GearType', train)
+            await made.add(f'{path}/Gear', 'GearType')
             exact = Fraction(ratio).limit_denominator(LARGEST_DENOMINATOR)
             value = ua.RationalNumber(Numerator=exact.numerator, Denominator=exact.denominator)
             await made.write(f'{path}/Gear/GearRatio', value)
-        await writer.refer(train, 'Moves', made.id(axis))
-        await writer.refer(made.id(axis), 'Requires', train)
+        await made.writer.refer(train, 'Moves', made.id(axis))
+        await made.writer.refer(made.id(axis), 'Requires', train)
 
     async def _write_load(self, payload: Payload) -> None:
         if payload is self._payload:
             return
         self._payload = payload
-        load = f'{self._device}/FlangeLoad'
         center = ua.ThreeDCartesianCoordinates(*payload.center.tolist())
-        await self.instances.write(f'{load}/Mass', payload.mass)
-        await self.instances.write(f'{load}/CenterOfMass', ua.ThreeDFrame(CartesianCoordinates=center))
+        values = {'Mass': payload.mass, 'CenterOfMass': ua.ThreeDFrame(CartesianCoordinates=center)}
+        await self._made.write_all(f'{self._device}/FlangeLoad', values)
 
     # -- its controller -----------------------------------------------------------------------------------
 
     async def _add_controller(self) -> None:
-        made, path = self.instances, self._controller
-        parent = made.id(f'{SYSTEM}/Controllers')
-        await made.add(path, 'ControllerType', parent, optional=CONTROLLER_PARTS)
-        await made.write(f'{path}/Manufacturer', 'Robots')
-        await made.write(f'{path}/Model', 'robots_controller')
-        await made.write(f'{path}/ParameterSet/StartUpTime', dt.datetime.now(dt.UTC))
+        made, path = self._made, self._controller
+        await made.add(path, 'ControllerType', optional=CONTROLLER_PARTS)
+        values = {
+            'Manufacturer': 'Robots',
+            'Model': 'robots_controller',
+            'ParameterSet/StartUpTime': dt.datetime.now(dt.UTC),
+        }
+        await made.write_all(path, values)
         software = f'{path}/Software/robots_controller'
-        await made.add(software, 'di:SoftwareType', made.id(f'{path}/Software'))
-        await made.write(f'{software}/Manufacturer', 'Robots')
-        await made.write(f'{software}/Model', 'robots_controller')
-        await made.write(f'{software}/SoftwareRevision', version('robots_controller'))
-        await self.task.build(made.id(f'{path}/TaskControls'), made.id(self._device))
-        await self.channels.build(made.id(f'{path}/Components'))
+        await made.add(software, 'di:SoftwareType')
+        values = {
+            'Manufacturer': 'Robots',
+            'Model': 'robots_controller',
+            'SoftwareRevision': version('robots_controller'),
+        }
+        await made.write_all(software, values)
+        await self._task.build(made.id(self._device))
+        await self.channels.build()
         await self._programs.build()
-
-    async def _write_plate(self, path: str) -> None:
-        plate = self._plate
-        await self.instances.write(f'{path}/Manufacturer', plate.manufacturer)
-        await self.instances.write(f'{path}/Model', plate.model or self._robot.name)
-        await self.instances.write(f'{path}/SerialNumber', plate.serial_number)
-        await self.instances.write(f'{path}/ProductCode', plate.product_code)

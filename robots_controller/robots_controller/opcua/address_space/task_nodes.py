@@ -7,12 +7,11 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from asyncua import ua
+from asyncua.server.event_generator import EventGenerator
 
-from robots_controller.opcua.address_space.companion_types import TRANSITION_REASONS, enumeration_value
+from robots_controller.opcua.address_space.companion_types import TRANSITION_REASONS
 from robots_controller.opcua.address_space.instances import INACTIVE, Instances, argument
-from robots_controller.opcua.address_space.node_writer import NodeWriter
 from robots_controller.opcua.address_space.program_nodes import ProgramNodes
-from robots_controller.opcua.address_space.transition_events import TransitionEvents
 from robots_controller.opcua.method_calls import answered, out_of_range, wrong_arguments
 from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
 from robots_controller.pendant.pendant_state import ShownProgram
@@ -30,54 +29,57 @@ REASONS: Final = {RunState.FAILED: 'Error', RunState.FINISHED: 'Application'}
 
 
 class TaskNodes:
-    """Adds the nodes, and keeps their values.
+    """Adds the nodes, keeps their values, and sends an event (OPC 10000-16) for each transition.
 
     Args:
         instances: Where they are added.
-        writer: Of the address space.
         path: Of the TaskControl.
         programs: The nodes of the programs.
+        control: What the methods do.
     """
 
-    def __init__(self, instances: Instances, writer: NodeWriter, path: str, programs: ProgramNodes) -> None:
-        self._made, self._writer, self._programs = instances, writer, programs
+    def __init__(self, instances: Instances, path: str, programs: ProgramNodes, control: TaskControl) -> None:
+        self._made, self._programs, self._control = instances, programs, control
         self.path: Final = path
         self._machine = f'{path}/TaskControlOperation/TaskControlStateMachine'
         self._ready = f'{self._machine}/ReadySubstateMachine'
         self._states: dict[str, str] = {}
         self._from_outside = False
-        self._name: Callable[[str], str] = str
-        self._events = TransitionEvents(instances, writer, PROGRAM)
+        self._events = EventGenerator(instances.writer.server.iserver.isession)
 
-    async def build(self, parent: ua.NodeId, device: ua.NodeId) -> None:
-        """Add the objects.
+    async def build(self, device: ua.NodeId) -> None:
+        """Add the objects and methods.
 
         Args:
-            parent: Folder of the task controls.
             device: The robot that they move.
         """
-        made = self._made
-        await made.add(self.path, 'TaskControlType', parent, optional=OPTIONAL)
-        await made.write(f'{self.path}/ComponentName', PROGRAM)
-        mode = enumeration_value('ExecutionModeEnumeration', 'CYCLE')
-        await made.write(f'{self.path}/ParameterSet/ExecutionMode', mode)
-        await made.write(f'{self.path}/TaskControlOperation/MotionDevicesUnderControl', [device])
-        await made.write(f'{self._machine}/ConfiguredDefaultStopMode', int(StopMode.END))
+        made, server = self._made, self._made.writer.server
+        await made.add(self.path, 'TaskControlType', optional=OPTIONAL)
+        values = {
+            'ComponentName': PROGRAM,
+            'ParameterSet/ExecutionMode': 'CYCLE',
+            'TaskControlOperation/MotionDevicesUnderControl': [device],
+        }
+        await made.write_all(self.path, values)
         stops = [_enum_value(int(mode), text) for mode, text in STOP_TEXTS.items()]
+        await made.write(f'{self._machine}/ConfiguredDefaultStopMode', int(StopMode.END))
         await made.write(f'{self._machine}/PossibleStopModes', stops)
+        await self._events.init(ua.ObjectIds.TransitionEventType, add_generates_event=False)
         for machine in (self._machine, self._ready):
             reasons = [_enum_value(number, text) for number, text in enumerate(TRANSITION_REASONS)]
             await made.write(f'{machine}/LastTransitionReason/EnumValues', reasons)
             await self._write_reason(machine, 'Unknown')
             await made.write(f'{machine}/LastTransition', INACTIVE)  # there was none
-        await self._events.build((self._machine, self._ready))
+            await server.get_node(made.id(machine)).add_reference(
+                ua.ObjectIds.TransitionEventType, ua.ObjectIds.GeneratesEvent, bidirectional=False
+            )
+        await self._add_methods()
 
-    async def link(self, control: TaskControl) -> None:
-        """Add the methods."""
+    async def _add_methods(self) -> None:
         name = argument('Name', ua.VariantType.String, 'file of the program, below the folder of programs')
         node = argument('Id', ua.VariantType.ExpandedNodeId, 'file of the program, below Programs')
         mode = argument('StopMode', ua.VariantType.Int64, '0, or one of PossibleStopModes')
-        program = self._programs.program
+        control, program = self._control, self._programs.program
         methods: tuple[tuple[str, list[ua.Argument], Callable[..., int]], ...] = (
             (f'{self._machine}/Start', [], control.start),
             (f'{self._machine}/Stop', [mode], control.stop),
@@ -90,7 +92,6 @@ class TaskNodes:
         )
         for path, inputs, work in methods:
             await self._made.add_method(path, inputs, self._answering(inputs, work))
-        self._name = control.name
 
     def _answering(self, inputs: list[ua.Argument], work: Callable[..., int]) -> Callable[..., Any]:
         kinds = [ua.VariantType(one.DataType.Identifier) for one in inputs]
@@ -112,9 +113,11 @@ class TaskNodes:
 
     async def update(self, program: ShownProgram) -> None:
         """Give the nodes the values of the program's state."""
-        made = self._made
-        await made.write(f'{self.path}/ParameterSet/TaskProgramName', self._name(program.path))
-        await made.write(f'{self.path}/ParameterSet/TaskProgramLoaded', program.state is not RunState.IDLE)
+        values = {
+            'TaskProgramName': self._control.name(program.path),
+            'TaskProgramLoaded': program.state is not RunState.IDLE,
+        }
+        await self._made.write_all(f'{self.path}/ParameterSet', values)
         reason = REASONS.get(program.state, 'External' if self._from_outside else 'Direct')
         changed = await self._enter(
             self._machine, 'OperationStateMachineType', operation_state(program.state), reason
@@ -129,10 +132,9 @@ class TaskNodes:
         if state == before:
             return False
         self._states[machine] = state
-        made, writer = self._made, self._writer
+        made, writer = self._made, self._made.writer
         if not state:
-            await made.write(f'{machine}/CurrentState', INACTIVE)
-            await made.write(f'{machine}/CurrentState/Id', INACTIVE)
+            await made.write_all(machine, {'CurrentState': INACTIVE, 'CurrentState/Id': INACTIVE})
             return True
         await made.write(f'{machine}/CurrentState', state)
         await made.write(f'{machine}/CurrentState/Id', writer.member_id(type_name, state))
@@ -143,8 +145,19 @@ class TaskNodes:
             await made.write(f'{machine}/LastTransition', transition)
             await made.write(f'{machine}/LastTransition/Id', writer.member_id(type_name, transition))
             await self._write_reason(machine, reason)
-            await self._events.send(machine, type_name, before, transition, state)
+            await self._send_event(machine, type_name, before, transition, state)
         return True
+
+    async def _send_event(
+        self, machine: str, type_name: str, before: str, transition: str, state: str
+    ) -> None:
+        event = self._events.event
+        event.SourceNode, event.SourceName = self._made.id(machine), PROGRAM
+        for field, member in (('FromState', before), ('Transition', transition), ('ToState', state)):
+            event.add_property(field, ua.LocalizedText(member), ua.VariantType.LocalizedText)
+            node = self._made.writer.member_id(type_name, member)
+            event.add_property(f'{field}/Id', node, ua.VariantType.NodeId)
+        await self._events.trigger(message=f'{PROGRAM}: {transition}')
 
     async def _write_reason(self, machine: str, reason: str) -> None:
         path = f'{machine}/LastTransitionReason'

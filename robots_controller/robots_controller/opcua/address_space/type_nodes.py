@@ -16,8 +16,11 @@ from robots_controller.opcua.address_space.node_writer import NodeWriter
 async def add_types(writer: NodeWriter) -> None:
     """Add all types that the robot's nodes use."""
     await writer.add_namespaces()
-    for name in REFERENCE_TYPES:
-        await _add_reference_type(writer, name)
+    references = writer.server.get_node(ua.ObjectIds.HierarchicalReferences)
+    for name, (_, inverse) in REFERENCE_TYPES.items():
+        await references.add_reference_type(
+            writer.type_id(name), writer.browse_name(name), symmetric=False, inversename=inverse
+        )
     for name in ENUMERATIONS:
         await _add_enumeration(writer, name)
     for name in OBJECT_TYPES:
@@ -45,24 +48,9 @@ async def _declare(writer: NodeWriter, owner: str, parent: ua.NodeId, member: Me
     else:
         await writer.add_variable(node, name, parent, member)
     if member.type not in ('ua:StateType', 'ua:TransitionType'):  # of the type alone
-        rule = 'ua:ModellingRule_Optional' if member.optional else 'ua:ModellingRule_Mandatory'
-        await writer.server.get_node(node).add_reference(
-            writer.type_id(rule), ua.ObjectIds.HasModellingRule, bidirectional=False
-        )
+        await writer.server.get_node(node).set_modelling_rule(not member.optional)
     for below in member.members:
         await _declare(writer, owner, node, below)
-
-
-async def _add_reference_type(writer: NodeWriter, name: str) -> None:
-    attributes = ua.ReferenceTypeAttributes()
-    attributes.InverseName = ua.LocalizedText(REFERENCE_TYPES[name][1])
-    await writer.add(
-        writer.type_id(name),
-        writer.browse_name(name),
-        ua.NodeId(ua.ObjectIds.HierarchicalReferences),
-        attributes,
-        reference='ua:HasSubtype',
-    )
 
 
 async def _add_enumeration(writer: NodeWriter, name: str) -> None:
