@@ -240,7 +240,7 @@ def test_a_thousand_channels_are_few_requests():
 )
 def test_a_value_comes_back_from_its_registers(kind: str, value: float, words: list[int]):
     for little in (False, True):
-        place = ModbusPlace('press', 1, 'holding_register', 0, kind, little=little)
+        place = ModbusPlace('modbus press', kind, 1, 'holding_register', 0, little=little)
         assert encoded(place, value) == (words[::-1] if little else words)
         assert decoded(place, encoded(place, value)) == value
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.io.bridge.place import Place
+from robots_controller.io.bridge.place import Place, PlantPlace
 from robots_controller.io.bridge.topic_field import KEYS as TOPIC_KEYS
 from robots_controller.io.bridge.topic_field import TopicField, read_topic_field
 from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations
@@ -176,8 +176,12 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int, known:
         if key in item:
             raise item.error(f'{key} is not for {channel.kind} channels, {channel.name} is one', key)
     plant = read_plant_place(item, channel, known.servers)
-    place, polling = (read_topic_field(item), None) if plant is None else (plant[0], plant[1].polling)
-    _check_bit(item, place, bit)
+    place, polling = (read_topic_field(item), None) if plant is None else (plant[0], plant[1].period)
+    if isinstance(place, PlantPlace):  # the type of a topic's field is checked where its message is known
+        try:
+            check_bit(place, bit, place.kind)
+        except InvalidInputError as error:
+            raise item.error(error.message, 'bit') from None
     unfit = 'debounce' if channel.direction == 'output' else '' if polling else 'period'
     if unfit in item:
         raise item.error(f'{unfit} is not for {channel.direction}s', unfit)
@@ -208,15 +212,18 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int, known:
     )
 
 
-def _check_bit(item: YamlSection, place: Place, bit: int | None) -> None:
-    """Check a bit of a place that has a type; those of topics are checked where the message is known."""
-    kind = getattr(place, 'kind', '')
-    if bit is None or not kind:
+def check_bit(place: Place, bit: int | None, kind: str) -> None:
+    """Check that a place whose number is of a kind has a bit; None for no bit.
+
+    Raises:
+        InvalidInputError: it has not.
+    """
+    if bit is None:
         return
     if kind not in INTEGERS:
-        raise item.error(f'{place.text} is {kind!r}; a bit needs a whole number', 'bit')
+        raise InvalidInputError(f'{place.text} is {kind!r}; a bit needs a whole number')
     if bit >= (bits := bits_of(kind)):
-        raise item.error(f'{place.text} is {kind!r} with bits 0..{bits - 1}, not {bit}', 'bit')
+        raise InvalidInputError(f'{place.text} is {kind!r} with bits 0..{bits - 1}, not {bit}')
 
 
 def _timeout(item: YamlSection, channel: Channel) -> float:
@@ -257,11 +264,11 @@ def _check_topics(rows: list[IoRow]) -> None:
     for row in rows:
         if not isinstance(here := row.place, TopicField):
             continue
-        first, there = seen.setdefault((here.topic, row.channel.direction), (row, here))
+        first, there = seen.setdefault((here.port, row.channel.direction), (row, here))
         if here.type != there.type:
-            raise row.error(f'{here.topic} is a {here.type} here and a {there.type} in line {first.line}')
+            raise row.error(f'{here.port} is a {here.type} here and a {there.type} in line {first.line}')
         if here.qos != there.qos:
-            raise row.error(f'{here.topic} has another qos here than in line {first.line}')
+            raise row.error(f'{here.port} has another qos here than in line {first.line}')
     for (topic, direction), (row, _) in seen.items():
         if direction == 'output' and (topic, 'input') in seen:
             line = seen[topic, 'input'][0].line

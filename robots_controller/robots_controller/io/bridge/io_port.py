@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 from robots_controller.io.bridge.place import Place
 
@@ -31,19 +31,22 @@ class Arrival:
     lost: int = 0
 
 
-class IoPort(Protocol):
+class IoPort:
     """One partner of rows. None of the methods blocks, except `finish` for as long as it may."""
 
-    def kind(self, place: Place) -> str:
+    def kind(self, place: Any) -> str:
         """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
+        raise NotImplementedError
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call, in order."""
+        return ()
 
     def lost(self) -> int:
         """Values since the last call that came faster than they could be sent or taken, at least."""
+        return 0
 
-    def send(self, values: Mapping[Place, Number]) -> None:
+    def send(self, values: Mapping[Any, Number]) -> None:
         """Write values, in this order and after those of earlier calls.
 
         What cannot be written now is written as soon as it can be, with the newest value of each place.
@@ -51,9 +54,11 @@ class IoPort(Protocol):
 
     def problems(self) -> Mapping[str, str]:
         """What is wrong with this port now, each with a key that stays while the problem does."""
+        return {}
 
     def news(self) -> Sequence[str]:
         """What is to be logged once: connected again, values lost, since the last call."""
+        return ()
 
     def finish(self, end: float) -> None:
         """Wait until the partner has what was sent, at most until a time of `time.monotonic`, s."""

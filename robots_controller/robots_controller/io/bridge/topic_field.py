@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+from robots_controller.io.bridge.place import Place
 from robots_controller.io.field_path import FieldPath
 from robots_core.errors import InvalidInputError
 from robots_core.files.yaml_section import YamlSection
@@ -33,40 +34,23 @@ class TopicQos:
 
 
 @dataclass(frozen=True)
-class TopicField:
-    """A field of a topic.
+class TopicField(Place):
+    """A field of an external topic, its `port`.
 
     Attributes:
-        topic: The external topic.
-        type: Its type, as package/msg/Name.
+        type: The topic's type, as package/msg/Name.
         path: The field.
         qos: Of the topic.
     """
 
-    topic: str
     type: str
     path: FieldPath
     qos: TopicQos = field(default_factory=TopicQos)
 
     @property
-    def port(self) -> str:
-        """The topic."""
-        return self.topic
-
-    @property
-    def source(self) -> str:
-        """The topic."""
-        return self.topic
-
-    @property
     def text(self) -> str:
         """The field."""
         return self.path.text
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The field."""
-        return (self.path.text,)
 
 
 def read_topic_field(item: YamlSection) -> TopicField:

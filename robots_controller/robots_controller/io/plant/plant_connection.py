@@ -6,9 +6,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from threading import Condition, Thread
-from typing import Final
+from typing import Any, Final
 
-from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.plant.plant_link import LinkError, PlantLink
 from robots_controller.io.plant.waiting_writes import WaitingWrites
@@ -23,7 +23,7 @@ MOST_TAKEN: Final = 1000
 FINISH_TIMEOUT: Final = 1.0  # s, for the thread to end
 
 
-class PlantConnection:
+class PlantConnection(IoPort):
     """Keeps a link open: reads, writes in order, and opens it again after ever longer pauses.
 
     Args:
@@ -63,9 +63,9 @@ class PlantConnection:
 
     # -- the loop's side --------------------------------------------------------------------------
 
-    def kind(self, place: Place) -> str:
+    def kind(self, place: Any) -> str:
         """Type of the number at a place."""
-        return self._link.kind(place)
+        return str(place.kind)
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call, as much as the loop may take at once."""

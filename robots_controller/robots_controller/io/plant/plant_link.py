@@ -24,9 +24,6 @@ class PlantLink(Protocol):
     link is closed then, and opened again later.
     """
 
-    def kind(self, place: Place) -> str:
-        """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
-
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect.
 

@@ -12,8 +12,8 @@ from robots_controller.io.plant.opcua.opcua_map import OpcuaServer, read_opcua_p
 from robots_core.files.yaml_section import YamlSection
 
 PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
-"""A server that a map declares: its `port`, as of its places, and `polling`, the period of inputs whose row
-has none, s; None where the server speaks by itself."""
+"""A server that a map declares: its `port`, as of its places, and the `period` of inputs whose row has none,
+s; None where the server speaks by itself."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class PlantProtocol:
     """How a protocol is written in a map.
 
     Attributes:
-        read_server: Reads an entry of the protocol's section, with its name.
+        read_server: Reads an entry of the protocol's section, with its `port`.
         read_place: Reads what a row has below the protocol's name.
     """
 
@@ -47,9 +47,9 @@ def read_servers(section: YamlSection) -> dict[str, PlantServer]:
         for below, server in section.entries(name):
             if (entry := below.section(server)) is None or not server:
                 raise below.error(f'{name} needs a name and settings for each server', server)
-            made = protocol.read_server(entry, server)
+            port = f'{name} {server}'
+            servers[port] = protocol.read_server(entry, port)
             entry.finish()
-            servers[made.port] = made
     return servers
 
 

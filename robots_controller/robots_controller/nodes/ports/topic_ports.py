@@ -9,17 +9,16 @@ from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
 from robots_controller.io.bridge.topic_field import TopicField, TopicQos
-from robots_controller.io.io_map import IoRow
-from robots_controller.io.number_kinds import INTEGERS, bits_of
+from robots_controller.io.io_map import IoRow, check_bit
 from robots_controller.nodes.ports.message_types import make_room, number_type
 from robots_core.errors import InvalidInputError
 from robots_core.ros.message_class import message_class
 from robots_core.ros.robot_node import RobotNode
 
 
-class _Topic:
+class _Topic(IoPort):
     """One topic.
 
     Raises:
@@ -31,27 +30,6 @@ class _Topic:
 
     def kind(self, place: Any) -> str:
         return self._kinds[place]
-
-    def problems(self) -> Mapping[str, str]:
-        return {}
-
-    def news(self) -> Sequence[str]:
-        return ()
-
-    def arrivals(self) -> Sequence[Arrival]:
-        return ()
-
-    def lost(self) -> int:
-        return 0
-
-    def send(self, values: Mapping[Any, Number]) -> None:
-        pass
-
-    def finish(self, end: float) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 class InputTopic(_Topic):
@@ -71,7 +49,7 @@ class InputTopic(_Topic):
         self._on_arrival = on_arrival
         self._arrivals: list[Arrival] = []
         place = rows[0][1]
-        node.create_subscription(message_class(place.type), place.topic, self._on_message, _qos(place.qos))
+        node.create_subscription(message_class(place.type), place.port, self._on_message, _qos(place.qos))
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call."""
@@ -112,7 +90,7 @@ class OutputTopic(_Topic):
         self._unknown = set(self._kinds)
         self._publisher = node.create_publisher(
             type(self._message),
-            place.topic,
+            place.port,
             _qos(place.qos),
             event_callbacks=PublisherEventCallbacks(matched=self._on_matched),
         )
@@ -153,21 +131,12 @@ def _kind(row: IoRow, place: TopicField) -> str:
     try:
         message = message_class(place.type)
         found = number_type(message, place.path)
-        _check_bit(row, found)
+        check_bit(place, row.bit, found)
         if row.channel.direction == 'output':
             make_room(message(), place.path)
     except InvalidInputError as error:
         raise row.error(error.message) from None
     return found
-
-
-def _check_bit(row: IoRow, kind: str) -> None:
-    if row.bit is None:
-        return
-    if kind not in INTEGERS:
-        raise InvalidInputError(f'{row.place.text} is {kind!r}; a bit needs a whole number')
-    if row.bit >= (bits := bits_of(kind)):
-        raise InvalidInputError(f'{row.place.text} is {kind!r} with bits 0..{bits - 1}, not {row.bit}')
 
 
 def _qos(qos: TopicQos) -> QoSProfile:

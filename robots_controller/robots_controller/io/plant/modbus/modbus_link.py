@@ -78,10 +78,6 @@ class ModbusLink:
             for places in _runs((place for place in inputs if inputs[place] == period), MOST_READ)
         ]
 
-    def kind(self, place: Any) -> str:
-        """Type of the number at a place."""
-        return str(place.kind)
-
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect."""
         server, self._receive = self._server, receive

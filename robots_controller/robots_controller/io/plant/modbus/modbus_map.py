@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import INTEGERS, KINDS
 from robots_core.files.yaml_section import YamlSection
@@ -29,7 +30,7 @@ class ModbusServer:
     """A Modbus TCP server.
 
     Attributes:
-        name: As rows name it.
+        port: As of its places.
         host: Its address.
         tcp_port: Its port.
         unit: Unit of places that name none.
@@ -37,53 +38,29 @@ class ModbusServer:
         response_timeout: For connecting and for each answer, s.
     """
 
-    name: str
+    port: str
     host: str
     tcp_port: int = 502
     unit: int = 1
     period: float = 0.1
     response_timeout: float = 1.0
 
-    @property
-    def port(self) -> str:
-        """As of its places."""
-        return f'modbus {self.name}'
-
-    @property
-    def polling(self) -> float:
-        """Period of inputs whose row has none, s."""
-        return self.period
-
 
 @dataclass(frozen=True)
-class ModbusPlace:
-    """A coil, a discrete input, or one or several registers.
+class ModbusPlace(PlantPlace):
+    """A coil or discrete input, which is 'boolean', or one or several registers, of a kind in `WORDS`.
 
     Attributes:
-        server: Name of the server.
-        unit: Unit there.
+        unit: Unit of the server.
         table: One of `TABLES`.
         address: Counted from 0, as in the protocol.
-        kind: Type of the number: 'boolean' of coils and discrete inputs, of registers one of `WORDS`.
         little: The register with the lowest bits comes first, where there are several.
     """
 
-    server: str
     unit: int
     table: str
     address: int
-    kind: str
     little: bool = False
-
-    @property
-    def port(self) -> str:
-        """The server."""
-        return f'modbus {self.server}'
-
-    @property
-    def source(self) -> str:
-        """The server."""
-        return self.port
 
     @property
     def text(self) -> str:
@@ -101,14 +78,14 @@ class ModbusPlace:
         return WORDS.get(self.kind, 1)
 
 
-def read_modbus_server(section: YamlSection, name: str) -> ModbusServer:
+def read_modbus_server(section: YamlSection, port: str) -> ModbusServer:
     """An entry of the section `modbus`.
 
     Raises:
         InvalidInputError: a key is missing or not valid; with file and line.
     """
     return ModbusServer(
-        name,
+        port,
         section.text('host'),
         section.whole('port', 502, low=1, high=65535),
         section.whole('unit', 1, low=0, high=255),
@@ -140,4 +117,4 @@ def read_modbus_place(item: YamlSection, channel: Channel, server: ModbusServer)
                 raise item.error(f'{key} is for registers; {table} is one bit', key)
     unit = item.whole('unit', server.unit, low=0, high=255)
     address = item.whole(table, low=0, high=LAST_ADDRESS + 1 - WORDS.get(kind, 1))
-    return ModbusPlace(server.name, unit, table, address, kind, little)
+    return ModbusPlace(server.port, kind, unit, table, address, little)

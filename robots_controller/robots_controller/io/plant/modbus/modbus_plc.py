@@ -8,12 +8,13 @@ address 0.
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
+from robots_controller.io.plant.modbus.modbus_link import decoded, encoded
+from robots_controller.io.plant.modbus.modbus_map import ModbusPlace
 from robots_controller.io.plant.plant_link import library
 from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
 
@@ -21,7 +22,8 @@ DISCRETE_INPUT, INPUT_REGISTER = 2, 4
 """Codes that read them."""
 COILS, REGISTERS = (5, 15), (6, 16)
 """Codes that write them."""
-WORDS: Final = 2
+NUMBER: Final = ModbusPlace('', 'float', 0, 'input_register', 0)
+WORDS: Final = NUMBER.size
 """Registers of a number."""
 
 
@@ -77,8 +79,8 @@ class ModbusPlc:
             if channel.kind == 'digital':
                 await self._server.async_setValues(0, DISCRETE_INPUT, channel.index - 1, [bool(value)])
             else:
-                words = list(struct.unpack('>HH', struct.pack('>f', value)))
-                await self._server.async_setValues(0, INPUT_REGISTER, WORDS * (channel.index - 1), words)
+                first = WORDS * (channel.index - 1)
+                await self._server.async_setValues(0, INPUT_REGISTER, first, encoded(NUMBER, value))
 
     async def _on_request(
         self, code: int, _start: int, address: int, _count: int, _now: list[int], values: list[Any] | None
@@ -92,7 +94,9 @@ class ModbusPlc:
             holding = [*self._holding]
             holding[address : address + len(values)] = [int(value) for value in values]
             touched = range(address // WORDS, (address + len(values) - 1) // WORDS + 1)
-            numbers = {index + 1: _number(holding, index) for index in touched}
+            numbers = {
+                index + 1: decoded(NUMBER, holding[WORDS * index : WORDS * (index + 1)]) for index in touched
+            }
             if not all(map(math.isfinite, numbers.values())):
                 return self._codes.ILLEGAL_VALUE
             self._holding = holding
@@ -105,8 +109,3 @@ class ModbusPlc:
         if not self._thread.closed:
             self._thread.wait(self._server.shutdown())
             self._thread.close()
-
-
-def _number(words: list[int], index: int) -> float:
-    (value,) = struct.unpack('>f', struct.pack('>HH', *words[WORDS * index : WORDS * (index + 1)]))
-    return float(value)

@@ -49,10 +49,6 @@ class MqttLink:
                             f'{other.pointer.text!r}'
                         )
 
-    def kind(self, place: Any) -> str:
-        """Type of the number at a place."""
-        return str(place.kind)
-
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect and subscribe."""
         server, self._receive, self._lost = self._server, receive, None

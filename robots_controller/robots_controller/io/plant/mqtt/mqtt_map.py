@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
+from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import read_kind
 from robots_controller.io.plant.credentials import Credentials, read_credentials
@@ -16,7 +18,7 @@ class MqttServer:
     """An MQTT broker.
 
     Attributes:
-        name: As rows name it.
+        port: As of its places.
         host: Its address.
         tcp_port: Its port.
         tls: The connection is encrypted.
@@ -26,7 +28,7 @@ class MqttServer:
         response_timeout: For connecting and for confirmations, s.
     """
 
-    name: str
+    port: str
     host: str
     tcp_port: int
     tls: bool
@@ -35,41 +37,25 @@ class MqttServer:
     keepalive: int
     response_timeout: float
 
-    @property
-    def port(self) -> str:
-        """As of its places."""
-        return f'mqtt {self.name}'
-
-    @property
-    def polling(self) -> None:
-        """The broker speaks by itself."""
-        return
+    period: ClassVar[None] = None
+    """Of inputs whose row has none: the broker speaks by itself."""
 
 
 @dataclass(frozen=True)
-class MqttPlace:
+class MqttPlace(PlantPlace):
     """A value in the JSON messages of a topic.
 
     Attributes:
-        server: Name of the broker.
         topic: The topic.
         pointer: The value in its messages.
-        kind: Type of the number.
         qos: Of subscriptions and of messages, 0 to 2.
         retain: The broker keeps the newest message for later subscribers.
     """
 
-    server: str
     topic: str
     pointer: JsonPointer
-    kind: str
     qos: int
     retain: bool
-
-    @property
-    def port(self) -> str:
-        """The broker."""
-        return f'mqtt {self.server}'
 
     @property
     def source(self) -> str:
@@ -81,13 +67,8 @@ class MqttPlace:
         """Topic and pointer."""
         return f'{self.topic} {self.pointer.text}'.rstrip()
 
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The value."""
-        return (self.text,)
 
-
-def read_mqtt_server(section: YamlSection, name: str) -> MqttServer:
+def read_mqtt_server(section: YamlSection, port: str) -> MqttServer:
     """An entry of the section `mqtt`.
 
     Raises:
@@ -95,7 +76,7 @@ def read_mqtt_server(section: YamlSection, name: str) -> MqttServer:
     """
     tls = section.switch('tls', default=False)
     made = MqttServer(
-        name,
+        port,
         section.text('host'),
         section.whole('port', 8883 if tls else 1883, low=1, high=65535),
         tls,
@@ -123,10 +104,10 @@ def read_mqtt_place(item: YamlSection, channel: Channel, server: MqttServer) -> 
     if 'retain' in item and not output:
         raise item.error('retain is not for inputs', 'retain')
     return MqttPlace(
-        server.name,
+        server.port,
+        read_kind(item, channel),
         topic,
         item.made('pointer', _pointer) if 'pointer' in item else JsonPointer('', ()),
-        read_kind(item, channel),
         item.whole('qos', 1, low=0, high=2),
         item.switch('retain', default=False),
     )

@@ -66,10 +66,6 @@ class OpcuaLink:
         self._ended = ''
         self._frames = FrameGuard()
 
-    def kind(self, place: Any) -> str:
-        """Type of the number at a place."""
-        return str(place.kind)
-
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
         """Connect and subscribe."""
         server, self._receive, self._received, self._ended = self._server, receive, {}, ''

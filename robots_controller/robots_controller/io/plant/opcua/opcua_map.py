@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
+from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
 from robots_controller.io.number_kinds import read_kind
 from robots_controller.io.plant.credentials import Credentials, read_credentials
@@ -28,7 +29,7 @@ class OpcuaServer:
     """An OPC UA server.
 
     Attributes:
-        name: As rows name it.
+        port: As of its places.
         endpoint: As opc.tcp://host:port/path.
         security: Policy, one of `POLICIES`.
         mode: One of `MODES`, where there is a policy.
@@ -37,7 +38,7 @@ class OpcuaServer:
         response_timeout: For connecting and for each answer, s.
     """
 
-    name: str
+    port: str
     endpoint: str
     security: str
     mode: str
@@ -45,53 +46,24 @@ class OpcuaServer:
     period: float
     response_timeout: float
 
-    @property
-    def port(self) -> str:
-        """As of its places."""
-        return f'opcua {self.name}'
-
-    @property
-    def polling(self) -> float:
-        """Period of inputs whose row has none, s."""
-        return self.period
-
 
 @dataclass(frozen=True)
-class OpcuaPlace:
+class OpcuaPlace(PlantPlace):
     """A variable.
 
     Attributes:
-        server: Name of the server.
         node: Its node id, as ns=2;s=Press.Ready, or with nsu=URI instead of the namespace's number.
-        kind: Type of the number.
     """
 
-    server: str
     node: str
-    kind: str
-
-    @property
-    def port(self) -> str:
-        """The server."""
-        return f'opcua {self.server}'
-
-    @property
-    def source(self) -> str:
-        """The server."""
-        return self.port
 
     @property
     def text(self) -> str:
         """The node id."""
         return self.node
 
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The variable."""
-        return (self.node,)
 
-
-def read_opcua_server(section: YamlSection, name: str) -> OpcuaServer:
+def read_opcua_server(section: YamlSection, port: str) -> OpcuaServer:
     """An entry of the section `opcua`.
 
     Raises:
@@ -102,7 +74,7 @@ def read_opcua_server(section: YamlSection, name: str) -> OpcuaServer:
         raise section.error(f'{endpoint!r} is no endpoint; endpoints are like opc.tcp://plc:4840', 'endpoint')
     security = section.text('security', 'none', among=POLICIES)
     made = OpcuaServer(
-        name,
+        port,
         endpoint,
         security,
         section.text('mode', 'sign_and_encrypt', among=MODES),
@@ -128,4 +100,4 @@ def read_opcua_place(item: YamlSection, channel: Channel, server: OpcuaServer) -
     node = item.text('node')
     if not _NODE.fullmatch(node):
         raise item.error(f'{node!r} is no node id; they are like ns=2;s=Press.Ready or i=85', 'node')
-    return OpcuaPlace(server.name, node, read_kind(item, channel))
+    return OpcuaPlace(server.port, read_kind(item, channel), node)
