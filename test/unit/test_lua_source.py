@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import MAX_PROGRAM_SIZE, check_syntax, read_source
 from robots_core.errors import ProgramError
 
@@ -16,8 +15,7 @@ def opened(folder: Path, data: bytes | str) -> str:
     path = folder / 'p.lua'
     path.write_bytes(data if isinstance(data, bytes) else data.encode())
     try:
-        source = read_source(path)
-        check_syntax(source, lambda text: syntax_error(source, text))
+        check_syntax(read_source(path))
     except ProgramError as error:
         return str(error)
     return ''

@@ -12,7 +12,6 @@ from typing import Final
 
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, Step
-from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
 from robots_controller.program.cell_port import CellPort, DetachedCell
@@ -105,7 +104,7 @@ class LuaProgram(ProgramState):
             self._refuse_while_running('open another program')
         try:
             source = read_source(path)
-            check_syntax(source, lambda text: syntax_error(source, text))
+            check_syntax(source)
         except RobotsError:
             self._replace(None)
             raise

@@ -30,11 +30,11 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 from lupa import lua54
 
 from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS, PRELUDE
-from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.interpreter.syntax_remedies import with_remedy
 from robots_controller.program.program_state import ProgramStopped
 
 if TYPE_CHECKING:
+    from robots_controller.interpreter.lua_source import LuaSource
     from robots_controller.interpreter.program_run import ProgramRun
 
 MAX_MEMORY: Final = 100_000_000  # bytes
@@ -307,14 +307,14 @@ def _argument(kind: bytes, items: Iterator[Any]) -> LuaArgument:
     return LuaArgument(name, value if name in ('number', 'string', 'boolean') else None)
 
 
-def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
-    """Compile `text` as if it were the program: None, or line and reason of the first syntax error."""
+def syntax_error(chunk: str, text: str) -> tuple[int, str] | None:
+    """Compile a text under the name of a program: None, or line and reason of the first syntax error."""
     problem = _runtime().execute(
         b'local text, name = ... local chunk, problem = load(text, name, "t") return problem',
         text.encode(),
-        b'=' + source.chunk_name.encode(),
+        b'=' + chunk.encode(),
     )
-    return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
+    return None if problem is None else _located(chunk, 0, problem.decode(errors='replace'))
 
 
 def lua_globals() -> frozenset[str]:

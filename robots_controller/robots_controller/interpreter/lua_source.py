@@ -1,12 +1,13 @@
 """LuaSource: the text of a robot program, read from its file or explained why not."""
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Final
 
+from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_tokens import lua_tokens
 from robots_controller.interpreter.syntax_remedies import remedy_of
 from robots_core.errors import InvalidInputError, ProgramError
@@ -22,9 +23,6 @@ OPENED: Final = re.compile(r'to close .* at line (\d+)\)|(?:<goto>|outside loop)
 NEAR: Final = re.compile(r"near '?(.+?)'?$")
 GOES_ON: Final = re.compile(r'(?:[-=+*/%,(<>~.]|\b(?:and|or|not))$')
 BLOCK: Final = re.compile(r'\b(?:if|elseif|while|for)\b')
-
-SyntaxCheck = Callable[[str], tuple[int, str] | None]
-"""Compiles a text: None, or the line and the reason of the first syntax error."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ def read_source(path: Path | str) -> LuaSource:
     return LuaSource(file, text, written=written)
 
 
-def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
+def check_syntax(source: LuaSource) -> None:
     """Check that Lua can compile a program.
 
     `//` is integer division in Lua. It is taken for a comment where reading it as one moves the syntax
@@ -107,6 +105,7 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
     Raises:
         ProgramError: it cannot; with the line and its text.
     """
+    check = partial(syntax_error, source.chunk_name)
     problem = check(source.text)
     if problem is None:
         return

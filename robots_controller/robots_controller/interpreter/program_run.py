@@ -13,7 +13,6 @@ from robots_controller.interpreter.lua_sandbox import (
     LuaFailure,
     LuaSandbox,
     Waiting,
-    syntax_error,
 )
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.robot_functions import RobotFunctions
@@ -241,5 +240,5 @@ def find_subprogram(main: LuaSource, name: str) -> LuaSource:
             f'{name!r} leads out of the folder of {main.file}; subprograms stand in it or below'
         )
     source = LuaSource(file, read_source(file).text, label=str(path))
-    check_syntax(source, lambda text: syntax_error(source, text))
+    check_syntax(source)
     return source

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, TASK_FUNCTIONS
-from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
 from robots_controller.interpreter.program_run import find_subprogram
@@ -66,7 +65,7 @@ def check_program(path: Path | str, sizes: Sizes) -> tuple[ProgramProblem, ...]:
         sizes = replace(sizes, frames_file=Path(path).with_name(FRAMES_FILE))
     try:
         main = read_source(path)
-        check_syntax(main, lambda text: syntax_error(main, text))
+        check_syntax(main)
     except ProgramError as error:
         return (ProgramProblem(error.file, error.line, error.reason),)
     _collect(main, main, checked)
