@@ -1,8 +1,4 @@
-"""PlannedPath: where a motion that goes around obstacles will lead the robot, before anything moves."""
-
-from __future__ import annotations
-
-from dataclasses import dataclass
+"""planned_path: where a motion that goes around obstacles will lead the robot, before anything moves."""
 
 import numpy as np
 
@@ -12,26 +8,8 @@ from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_planning.pathplanning import PathPlanning
 
 
-@dataclass(frozen=True)
-class PlannedPath:
-    """The path of a motion with `avoid`.
-
-    Attributes:
-        file: The program or subprogram.
-        line: Of the motion.
-        text: Its path and the smallest distance on it, for a person.
-    """
-
-    file: str
-    line: int
-    text: str
-
-    def __str__(self) -> str:
-        return f'{self.file}:{self.line}: {self.text}'
-
-
-def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> PlannedPath:
-    """The path of a motion that was planned.
+def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> str:
+    """The path of a motion that was planned, and the smallest distance on it, for a person.
 
     Args:
         planning: Of the robot, with what is around it.
@@ -55,4 +33,4 @@ def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> PlannedPath
         closest = planning.collision.closest_approach(JointPath(times, *trajectory.sample(times)))
         if closest is not None:
             text += f'; smallest distance: {closest.proximity.describe()} after {closest.time - start:.2f} s'
-    return PlannedPath(motion.file, command.line, text)
+    return text

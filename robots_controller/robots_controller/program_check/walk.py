@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Final
 
@@ -13,7 +14,7 @@ from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.program_check.input_combinations import InputCombination, input_combinations
 from robots_controller.program_check.lenient_planning import LenientPlanning
 from robots_controller.program_check.motion_problems import motion_problems, refusal
-from robots_controller.program_check.planned_path import PlannedPath, planned_path
+from robots_controller.program_check.planned_path import planned_path
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
@@ -33,13 +34,13 @@ class WalkResult:
         problems: By file and line; each with the combinations of inputs that lead to it.
         walked: Number of combinations that were walked.
         possible: Number of combinations that there are.
-        paths: Of motions with `avoid`, by file and line.
+        paths: Of motions with `avoid`, by file and line, which they begin with; for a person.
     """
 
     problems: tuple[ProgramProblem, ...]
     walked: int
     possible: int
-    paths: tuple[PlannedPath, ...] = ()
+    paths: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -106,12 +107,8 @@ def walk_program(
         walks += map(walk, left)
     problems = tuple(_together(combinations, [problems for problems, _ in walks]))
     paths = dict.fromkeys(path for _, paths in walks for path in paths)
-    return WalkResult(
-        problems,
-        len(combinations),
-        len(everything),
-        tuple(sorted(paths, key=lambda path: (path.file, path.line))),
-    )
+    shown = tuple(f'{file}:{line}: {text}' for file, line, text in sorted(paths, key=itemgetter(0, 1)))
+    return WalkResult(problems, len(combinations), len(everything), shown)
 
 
 def _walk(
@@ -125,8 +122,8 @@ def _walk(
     longest: float,
     patience: float,
     until: float,
-) -> tuple[list[ProgramProblem], list[PlannedPath]]:
-    """Problems and paths around obstacles of one walk, in their order; none begins after `until`."""
+) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
+    """Problems and paths around obstacles (file, line, text) of one walk; none begins after `until`."""
     left = until - time.monotonic()
     if left <= 0.0:
         late = f'not walked within the patience of {patience:g} s'
@@ -139,7 +136,7 @@ def _walk(
     cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
-    paths: list[PlannedPath] = []
+    paths: list[tuple[str, int, str]] = []
     for motion in run.motions:
         if motion.plan is None:
             continue
@@ -153,7 +150,7 @@ def _walk(
             )
         )
         if error is None and motion.settings.avoid and not command.kind.cartesian:
-            paths.append(planned_path(planning, motion))
+            paths.append((file, command.line, planned_path(planning, motion)))
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
     if run.error is not None:
