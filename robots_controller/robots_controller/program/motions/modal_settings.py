@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from robots_core.errors import PlanningError, RobotsError
-from robots_planning.motion_settings import CHECKS, MotionSettings
+from robots_planning.motion_settings import MotionSettings
 
 PLANNING_NODE: Final = 'planning_node'
 BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
@@ -25,10 +25,8 @@ def motion_settings(settings: Mapping[str, object], planner: str = PLANNING_NODE
     Raises:
         PlanningError: it would refuse them.
     """
-    for name, value in settings.items():
-        try:
-            CHECKS[name](value, name)
-        except RobotsError as error:
-            raise PlanningError(f'{planner} refuses the settings: {name}: {error}') from error
     wanted: dict[str, Any] = dict(settings)
-    return MotionSettings(**wanted)
+    try:
+        return MotionSettings(**wanted)
+    except RobotsError as error:
+        raise PlanningError(f'{planner} refuses the settings: {error}') from error
