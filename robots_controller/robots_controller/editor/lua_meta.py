@@ -114,8 +114,6 @@ def _overloads(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
     if not function.arguments or function.arguments[0].kind is not kinds.NUMBER:
         return
     options = f', options?: {_OPTIONS[function.options]}' if function.options else ''
-    if len(function.arguments) == 1 and not function.arguments[0].per_axis:
-        return
     first = function.arguments[0]
     if first.per_axis:
         for axes in () if num_axes else OTHER_AXES:
