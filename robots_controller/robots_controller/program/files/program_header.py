@@ -15,11 +15,11 @@ from robots_core.files.user_file import exists, is_file
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_core.wording.nearest_name import nearest_name
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit|Cabin): (\S+)\s*')
-HEADER_FILES: Final = ('scene', 'io', 'references', 'contact', 'orbit', 'cabin')
-"""What a header may name beside the robot."""
-_LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 KEYS: Final = ('Robot', 'Scene', 'IO', 'References', 'Contact', 'Orbit', 'Cabin')
+HEADER_FILES: Final = tuple(key.lower() for key in KEYS[1:])
+"""What a header may name beside the robot."""
+_ENTRY: Final = re.compile(rf'({"|".join(KEYS)}): (\S+)\s*')
+_LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 _ENTRIES: Final = re.compile(r'--\s*(?:\w+\s*[:=]\s*\S+\s*)+')  # with any keys, and with = for the colon
 _SPLIT: Final = re.compile(r'(\w+)\s*[:=]\s*(\S+)')
 
@@ -55,14 +55,15 @@ class ProgramHeader:
 
     def replaced_by(self, **given: str) -> ProgramHeader:
         """The same with all that is given, and not '', in the place of its own."""
-        new = {name: value for name, value in given.items() if value}
-        lines = {name: line for name, line in self.lines.items() if name not in new}
-        return replace(self, lines=MappingProxyType(lines), **new)
+        return self._with({name: value for name, value in given.items() if value})
 
     def without(self, name: str) -> ProgramHeader:
         """The same without one of its files."""
-        lines = {key: line for key, line in self.lines.items() if key != name}
-        return replace(self, lines=MappingProxyType(lines), **{name: ''})
+        return self._with({name: ''})
+
+    def _with(self, new: Mapping[str, str]) -> ProgramHeader:
+        lines = {name: line for name, line in self.lines.items() if name not in new}
+        return replace(self, lines=MappingProxyType(lines), **new)
 
     def check_files(self) -> None:
         """Refuse a file or a robot that the program names and that is not there.
