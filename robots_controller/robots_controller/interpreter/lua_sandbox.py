@@ -163,7 +163,7 @@ class LuaSandbox:
         callbacks = (
             self._serve,
             self._again,
-            self._abandon,
+            self._answered(lambda token: self._waiting.pop(token).close()),
             self._next_values,
             self._answered(host.poll),
             self._answered(host.computed),
@@ -224,12 +224,6 @@ class LuaSandbox:
             return self._failed(error)
         return _ATTEND, 0, token
 
-    def _abandon(self, token: int) -> None:
-        try:
-            self._waiting.pop(token).close()
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            self._failed(error)
-
     def _answer(self, result: Result) -> tuple[int, Any, int]:
         if isinstance(result, bytes):
             self._put_text(result)
@@ -259,7 +253,7 @@ class LuaSandbox:
         return step
 
     def _answered(self, ask: Callable[..., int | None]) -> Callable[..., int]:
-        """A method of the host as Lua calls it: texts come as bytes, and the answer is attention."""
+        """A function as Lua calls it: texts come as bytes, and the answer is attention."""
 
         def answer(*arguments: Any) -> int:
             try:
