@@ -20,6 +20,7 @@ CHAMFER = 0.012  # m, the broken edge of a cast part
 
 Direction = Literal['x', 'y', 'z']
 Circle = tuple[float, float, float]
+Colour = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,19 @@ class Part:
 
     name: str
     link: str
-    colour: tuple[float, float, float]
+    colour: Colour
     meshes: tuple[Mesh, ...]
-    collision: bool = False
+    collision: bool
+
+
+def body(name: str, link: str, colour: Colour, *meshes: Mesh) -> Part:
+    """A part that is seen, and stands for the body in collision checks."""
+    return Part(name, link, colour, meshes, collision=True)
+
+
+def trim(name: str, link: str, colour: Colour, *meshes: Mesh) -> Part:
+    """A part that is only seen."""
+    return Part(name, link, colour, meshes, collision=False)
 
 
 def enlarged(part: Part, factor: float) -> Part:
@@ -99,6 +110,27 @@ def tapered_arm(
     frame = _frame(_unit(axis))
     x, y = (end - start) @ frame[:, :2]
     return _extrusion([(0.0, 0.0, radius_start), (x, y, radius_end)], frame, start, width, chamfer)
+
+
+def fork(
+    start: ArrayLike,
+    end: ArrayLike,
+    radius_start: float,
+    radius_end: float,
+    *,
+    axis: ArrayLike | Direction,
+    aside: float,
+    width: float,
+    chamfer: float = CHAMFER,
+) -> tuple[Mesh, ...]:
+    """Two arms `aside` of the middle, one on each side; the other arguments are those of `tapered_arm`."""
+    start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+    return tuple(
+        tapered_arm(
+            start + shift, end + shift, radius_start, radius_end, axis=axis, width=width, chamfer=chamfer
+        )
+        for shift in (aside * _unit(axis), -aside * _unit(axis))
+    )
 
 
 def plate(

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.bello_bot.model import BelloBotData
-from solids import Part, hub, tapered_arm, tube
+from solids import Part, body, hub, tapered_arm, trim, tube
 
 _DATA = BelloBotData()
 _CREAM = (0.96, 0.94, 0.89)
@@ -21,161 +21,83 @@ _FLANGE = _WRIST + _DATA.hand
 _TURN_1, _TURN_3, _TURN_5, _TURN_7 = 0.2, 0.66, 1.19, 1.64
 _RING = 0.014
 
+
+def _ring(name: str, link: str, top: float, radius: float) -> Part:
+    return trim(
+        name, link, _CORAL, tube((0.0, 0.0, top - _RING), (0.0, 0.0, top), radius, radius, chamfer=0.004)
+    )
+
+
 PARTS: Final = (
-    Part(
-        'foot',
-        'base_link',
-        _INK,
-        (tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.035), 0.17, 0.165),),
-    ),
-    Part(
+    trim('foot', 'base_link', _INK, tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.035), 0.17, 0.165)),
+    body(
         'base',
         'base_link',
         _CREAM,
-        (tube((0.0, 0.0, 0.03), (0.0, 0.0, _TURN_1 - _RING), 0.145, 0.115, chamfer=0.02),),
-        collision=True,
+        tube((0.0, 0.0, 0.03), (0.0, 0.0, _TURN_1 - _RING), 0.145, 0.115, chamfer=0.02),
     ),
-    Part(
-        'base_ring',
-        'base_link',
-        _CORAL,
-        (tube((0.0, 0.0, _TURN_1 - _RING), (0.0, 0.0, _TURN_1), 0.114, 0.114, chamfer=0.004),),
-    ),
-    Part(
+    _ring('base_ring', 'base_link', _TURN_1, 0.114),
+    body(
         'chest',
         'link_1',
         _CREAM,
-        (tube((0.0, 0.0, _TURN_1), (0.0, 0.0, _SHOULDER - 0.04), 0.115, 0.085, chamfer=0.01),),
-        collision=True,
+        tube((0.0, 0.0, _TURN_1), (0.0, 0.0, _SHOULDER - 0.04), 0.115, 0.085, chamfer=0.01),
     ),
-    Part(
+    trim(
         'eyes',
         'link_1',
         _INK,
-        (
-            tube((0.07, 0.036, 0.285), (0.112, 0.036, 0.29), 0.017, 0.016, chamfer=0.005),
-            tube((0.07, -0.036, 0.285), (0.112, -0.036, 0.29), 0.017, 0.016, chamfer=0.005),
-        ),
+        tube((0.07, 0.036, 0.285), (0.112, 0.036, 0.29), 0.017, 0.016, chamfer=0.005),
+        tube((0.07, -0.036, 0.285), (0.112, -0.036, 0.29), 0.017, 0.016, chamfer=0.005),
     ),
-    Part(
-        'shoulder',
-        'link_1',
-        _TEAL,
-        (hub((0.0, 0.0, _SHOULDER), 'y', 0.095, 0.23, chamfer=0.02),),
-        collision=True,
-    ),
-    Part(
+    body('shoulder', 'link_1', _TEAL, hub((0.0, 0.0, _SHOULDER), 'y', 0.095, 0.23, chamfer=0.02)),
+    body(
         'upper_arm',
         'link_2',
         _CREAM,
-        (
-            tapered_arm(
-                (0.0, 0.0, _SHOULDER),
-                (0.0, 0.0, _SHOULDER + 0.16),
-                0.118,
-                0.085,
-                axis='y',
-                width=0.17,
-                chamfer=0.03,
-            ),
-            tube((0.0, 0.0, _SHOULDER + 0.08), (0.0, 0.0, _TURN_3 - _RING), 0.088, 0.08),
+        tapered_arm(
+            (0.0, 0.0, _SHOULDER),
+            (0.0, 0.0, _SHOULDER + 0.16),
+            0.118,
+            0.085,
+            axis='y',
+            width=0.17,
+            chamfer=0.03,
         ),
-        collision=True,
+        tube((0.0, 0.0, _SHOULDER + 0.08), (0.0, 0.0, _TURN_3 - _RING), 0.088, 0.08),
     ),
-    Part(
-        'upper_arm_ring',
-        'link_2',
-        _CORAL,
-        (tube((0.0, 0.0, _TURN_3 - _RING), (0.0, 0.0, _TURN_3), 0.079, 0.079, chamfer=0.004),),
+    _ring('upper_arm_ring', 'link_2', _TURN_3, 0.079),
+    body(
+        'upper_arm_end', 'link_3', _CREAM, tube((0.0, 0.0, _TURN_3), (0.0, 0.0, _ELBOW - 0.02), 0.08, 0.066)
     ),
-    Part(
-        'upper_arm_end',
-        'link_3',
-        _CREAM,
-        (tube((0.0, 0.0, _TURN_3), (0.0, 0.0, _ELBOW - 0.02), 0.08, 0.066),),
-        collision=True,
-    ),
-    Part(
-        'elbow',
-        'link_3',
-        _TEAL,
-        (hub((0.0, 0.0, _ELBOW), 'y', 0.078, 0.19, chamfer=0.016),),
-        collision=True,
-    ),
-    Part(
+    body('elbow', 'link_3', _TEAL, hub((0.0, 0.0, _ELBOW), 'y', 0.078, 0.19, chamfer=0.016)),
+    body(
         'forearm',
         'link_4',
         _CREAM,
-        (
-            tapered_arm(
-                (0.0, 0.0, _ELBOW),
-                (0.0, 0.0, _ELBOW + 0.12),
-                0.096,
-                0.07,
-                axis='y',
-                width=0.14,
-                chamfer=0.025,
-            ),
-            tube((0.0, 0.0, _ELBOW + 0.06), (0.0, 0.0, _TURN_5 - _RING), 0.072, 0.065),
+        tapered_arm(
+            (0.0, 0.0, _ELBOW), (0.0, 0.0, _ELBOW + 0.12), 0.096, 0.07, axis='y', width=0.14, chamfer=0.025
         ),
-        collision=True,
+        tube((0.0, 0.0, _ELBOW + 0.06), (0.0, 0.0, _TURN_5 - _RING), 0.072, 0.065),
     ),
-    Part(
-        'forearm_ring',
-        'link_4',
-        _CORAL,
-        (tube((0.0, 0.0, _TURN_5 - _RING), (0.0, 0.0, _TURN_5), 0.064, 0.064, chamfer=0.004),),
-    ),
-    Part(
-        'forearm_end',
-        'link_5',
-        _CREAM,
-        (tube((0.0, 0.0, _TURN_5), (0.0, 0.0, _WRIST - 0.02), 0.065, 0.052),),
-        collision=True,
-    ),
-    Part(
-        'wrist',
-        'link_5',
-        _TEAL,
-        (hub((0.0, 0.0, _WRIST), 'y', 0.058, 0.145, chamfer=0.013),),
-        collision=True,
-    ),
-    Part(
+    _ring('forearm_ring', 'link_4', _TURN_5, 0.064),
+    body('forearm_end', 'link_5', _CREAM, tube((0.0, 0.0, _TURN_5), (0.0, 0.0, _WRIST - 0.02), 0.065, 0.052)),
+    body('wrist', 'link_5', _TEAL, hub((0.0, 0.0, _WRIST), 'y', 0.058, 0.145, chamfer=0.013)),
+    body(
         'hand',
         'link_6',
         _CREAM,
-        (
-            tapered_arm(
-                (0.0, 0.0, _WRIST),
-                (0.0, 0.0, _WRIST + 0.06),
-                0.073,
-                0.056,
-                axis='y',
-                width=0.105,
-                chamfer=0.02,
-            ),
-            tube((0.0, 0.0, _WRIST + 0.03), (0.0, 0.0, _TURN_7 - _RING), 0.056, 0.052),
+        tapered_arm(
+            (0.0, 0.0, _WRIST), (0.0, 0.0, _WRIST + 0.06), 0.073, 0.056, axis='y', width=0.105, chamfer=0.02
         ),
-        collision=True,
+        tube((0.0, 0.0, _WRIST + 0.03), (0.0, 0.0, _TURN_7 - _RING), 0.056, 0.052),
     ),
-    Part(
-        'hand_ring',
-        'link_6',
-        _CORAL,
-        (tube((0.0, 0.0, _TURN_7 - _RING), (0.0, 0.0, _TURN_7), 0.051, 0.051, chamfer=0.004),),
-    ),
-    Part(
-        'hand_end',
-        'link_7',
-        _TEAL,
-        (tube((0.0, 0.0, _TURN_7), (0.0, 0.0, _FLANGE - 0.012), 0.052, 0.047),),
-        collision=True,
-    ),
-    Part(
+    _ring('hand_ring', 'link_6', _TURN_7, 0.051),
+    body('hand_end', 'link_7', _TEAL, tube((0.0, 0.0, _TURN_7), (0.0, 0.0, _FLANGE - 0.012), 0.052, 0.047)),
+    body(
         'flange',
         'link_7',
         _STEEL,
-        (tube((0.0, 0.0, _FLANGE - 0.012), (0.0, 0.0, _FLANGE), 0.042, 0.042, chamfer=0.003),),
-        collision=True,
+        tube((0.0, 0.0, _FLANGE - 0.012), (0.0, 0.0, _FLANGE), 0.042, 0.042, chamfer=0.003),
     ),
 )

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.franka_fr3.model import FrankaFr3Data
-from solids import Part, block, hub, plate, tube
+from solids import block, body, hub, plate, trim, tube
 
 _DATA = FrankaFr3Data()
 _WHITE = (0.95, 0.95, 0.95)
@@ -18,136 +18,99 @@ _A7_X = _DATA.wrist_offset
 _FLANGE = _WRIST - _DATA.flange
 
 PARTS: Final = (
-    Part(
+    body(
         'foot',
         'base_link',
         _WHITE,
-        (
-            block((-0.045, 0.0, 0.03), (0.24, 0.19, 0.06), rounding=0.06, chamfer=0.02),
-            tube((0.0, 0.0, 0.04), (0.0, 0.0, 0.138), 0.088, 0.068, chamfer=0.02),
-        ),
-        collision=True,
+        block((-0.045, 0.0, 0.03), (0.24, 0.19, 0.06), rounding=0.06, chamfer=0.02),
+        tube((0.0, 0.0, 0.04), (0.0, 0.0, 0.138), 0.088, 0.068, chamfer=0.02),
     ),
-    Part('ring_1', 'link_1', _DARK, (hub((0.0, 0.0, 0.145), 'z', 0.06, 0.014, chamfer=0.003),)),
-    Part(
+    trim('ring_1', 'link_1', _DARK, hub((0.0, 0.0, 0.145), 'z', 0.06, 0.014, chamfer=0.003)),
+    body(
         'shoulder',
         'link_1',
         _WHITE,
-        (
-            tube((0.0, 0.0, 0.152), (0.0, 0.0, _SHOULDER - 0.02), 0.066, 0.062, chamfer=0.015),
-            tube((0.0, -0.095, _SHOULDER), (0.0, 0.01, _SHOULDER), 0.05, 0.066, chamfer=0.02),
-        ),
-        collision=True,
+        tube((0.0, 0.0, 0.152), (0.0, 0.0, _SHOULDER - 0.02), 0.066, 0.062, chamfer=0.015),
+        tube((0.0, -0.095, _SHOULDER), (0.0, 0.01, _SHOULDER), 0.05, 0.066, chamfer=0.02),
     ),
-    Part(
+    body(
         'upper_arm',
         'link_2',
         _WHITE,
-        (
-            tube((0.0, 0.095, _SHOULDER), (0.0, 0.0, _SHOULDER), 0.05, 0.066, chamfer=0.02),
-            tube((0.0, 0.02, _SHOULDER), (0.0, 0.0, _SHOULDER + 0.185), 0.064, 0.06, chamfer=0.015),
-        ),
-        collision=True,
+        tube((0.0, 0.095, _SHOULDER), (0.0, 0.0, _SHOULDER), 0.05, 0.066, chamfer=0.02),
+        tube((0.0, 0.02, _SHOULDER), (0.0, 0.0, _SHOULDER + 0.185), 0.064, 0.06, chamfer=0.015),
     ),
-    Part(
-        'ring_3',
-        'link_3',
-        _DARK,
-        (hub((0.0, 0.0, _SHOULDER + 0.192), 'z', 0.054, 0.014, chamfer=0.003),),
-    ),
-    Part(
+    trim('ring_3', 'link_3', _DARK, hub((0.0, 0.0, _SHOULDER + 0.192), 'z', 0.054, 0.014, chamfer=0.003)),
+    body(
         'elbow',
         'link_3',
         _WHITE,
-        (
-            tube((0.0, 0.0, _SHOULDER + 0.199), (0.3 * _OUT, 0.0, _ELBOW - 0.03), 0.06, 0.056, chamfer=0.015),
-            plate(
-                ((0.02, 0.0, _ELBOW - 0.04), (_OUT, 0.0, _ELBOW), (0.03, 0.0, _ELBOW - 0.02)),
-                axis='y',
-                width=0.1,
-                rounding=0.05,
-                chamfer=0.02,
-            ),
+        tube((0.0, 0.0, _SHOULDER + 0.199), (0.3 * _OUT, 0.0, _ELBOW - 0.03), 0.06, 0.056, chamfer=0.015),
+        plate(
+            ((0.02, 0.0, _ELBOW - 0.04), (_OUT, 0.0, _ELBOW), (0.03, 0.0, _ELBOW - 0.02)),
+            axis='y',
+            width=0.1,
+            rounding=0.05,
+            chamfer=0.02,
         ),
-        collision=True,
     ),
-    Part(
+    trim(
         'elbow_caps',
         'link_3',
         _DARK,
-        (
-            hub((_OUT, 0.053, _ELBOW), 'y', 0.04, 0.012, chamfer=0.004),
-            hub((_OUT, -0.053, _ELBOW), 'y', 0.04, 0.012, chamfer=0.004),
-        ),
+        hub((_OUT, 0.053, _ELBOW), 'y', 0.04, 0.012, chamfer=0.004),
+        hub((_OUT, -0.053, _ELBOW), 'y', 0.04, 0.012, chamfer=0.004),
     ),
-    Part(
+    body(
         'forearm',
         'link_4',
         _WHITE,
-        (
-            plate(
-                ((_OUT, 0.0, _ELBOW), (0.02, 0.0, _ELBOW + 0.06), (0.0, 0.0, _ELBOW + 0.08)),
-                axis='y',
-                width=0.098,
-                rounding=0.048,
-                chamfer=0.02,
-            ),
-            tube((0.0, 0.0, _ELBOW + 0.08), (0.0, 0.0, _ELBOW + 0.125), 0.056, 0.056),
+        plate(
+            ((_OUT, 0.0, _ELBOW), (0.02, 0.0, _ELBOW + 0.06), (0.0, 0.0, _ELBOW + 0.08)),
+            axis='y',
+            width=0.098,
+            rounding=0.048,
+            chamfer=0.02,
         ),
-        collision=True,
+        tube((0.0, 0.0, _ELBOW + 0.08), (0.0, 0.0, _ELBOW + 0.125), 0.056, 0.056),
     ),
-    Part('ring_5', 'link_5', _DARK, (hub((0.0, 0.0, _ELBOW + 0.132), 'z', 0.05, 0.014, chamfer=0.003),)),
+    trim('ring_5', 'link_5', _DARK, hub((0.0, 0.0, _ELBOW + 0.132), 'z', 0.05, 0.014, chamfer=0.003)),
     # The forearm's lower half hangs to one side, so that the hand can fold back.
-    Part(
+    body(
         'forearm_end',
         'link_5',
         _WHITE,
-        (
-            tube((0.0, 0.0, _ELBOW + 0.139), (0.0, 0.06, _WRIST - 0.1), 0.055, 0.042, chamfer=0.012),
-            tube((0.0, 0.075, _WRIST - 0.12), (0.0, 0.075, _WRIST + 0.01), 0.042, 0.046, chamfer=0.015),
-            tube((0.0, 0.09, _WRIST), (0.0, 0.0, _WRIST), 0.045, 0.05, chamfer=0.012),
-        ),
-        collision=True,
+        tube((0.0, 0.0, _ELBOW + 0.139), (0.0, 0.06, _WRIST - 0.1), 0.055, 0.042, chamfer=0.012),
+        tube((0.0, 0.075, _WRIST - 0.12), (0.0, 0.075, _WRIST + 0.01), 0.042, 0.046, chamfer=0.015),
+        tube((0.0, 0.09, _WRIST), (0.0, 0.0, _WRIST), 0.045, 0.05, chamfer=0.012),
     ),
-    Part(
+    body(
         'wrist',
         'link_6',
         _WHITE,
-        (
-            tube((0.0, 0.0, _WRIST), (0.0, -0.07, _WRIST), 0.05, 0.045, chamfer=0.012),
-            plate(
-                ((0.0, 0.0, _WRIST), (_A7_X, 0.0, _WRIST)),
-                axis='y',
-                width=0.085,
-                rounding=0.045,
-                chamfer=0.018,
-            ),
-            tube((_A7_X, 0.0, _WRIST + 0.045), (_A7_X, 0.0, _WRIST - 0.05), 0.042, 0.046),
+        tube((0.0, 0.0, _WRIST), (0.0, -0.07, _WRIST), 0.05, 0.045, chamfer=0.012),
+        plate(
+            ((0.0, 0.0, _WRIST), (_A7_X, 0.0, _WRIST)), axis='y', width=0.085, rounding=0.045, chamfer=0.018
         ),
-        collision=True,
+        tube((_A7_X, 0.0, _WRIST + 0.045), (_A7_X, 0.0, _WRIST - 0.05), 0.042, 0.046),
     ),
-    Part(
+    body(
         'flange',
         'link_7',
         _STEEL,
-        (
-            tube((_A7_X, 0.0, _WRIST - 0.05), (_A7_X, 0.0, _FLANGE + 0.012), 0.044, 0.044, chamfer=0.005),
-            tube((_A7_X, 0.0, _FLANGE + 0.012), (_A7_X, 0.0, _FLANGE), 0.032, 0.032, chamfer=0.003),
-        ),
-        collision=True,
+        tube((_A7_X, 0.0, _WRIST - 0.05), (_A7_X, 0.0, _FLANGE + 0.012), 0.044, 0.044, chamfer=0.005),
+        tube((_A7_X, 0.0, _FLANGE + 0.012), (_A7_X, 0.0, _FLANGE), 0.032, 0.032, chamfer=0.003),
     ),
-    Part(
+    trim(
         'flange_button',
         'link_7',
         _DARK,
-        (
-            tube(
-                (_A7_X + 0.03, 0.0, _WRIST - 0.07),
-                (_A7_X + 0.058, 0.0, _WRIST - 0.07),
-                0.014,
-                0.012,
-                chamfer=0.004,
-            ),
+        tube(
+            (_A7_X + 0.03, 0.0, _WRIST - 0.07),
+            (_A7_X + 0.058, 0.0, _WRIST - 0.07),
+            0.014,
+            0.012,
+            chamfer=0.004,
         ),
     ),
 )

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.mitsubishi_rv7frl.model import MitsubishiRv7frlData
-from solids import Part, block, hub, plate, tapered_arm, tube
+from solids import block, body, fork, hub, plate, tapered_arm, trim, tube
 
 _DATA = MitsubishiRv7frlData()
 _WHITE = (0.94, 0.94, 0.93)
@@ -18,113 +18,85 @@ _FLANGE = _WRIST + _DATA.flange
 _A4_X = -_DATA.elbow_offset
 
 PARTS: Final = (
-    Part(
+    trim(
         'foot',
         'base_link',
         _GREY,
-        (
-            block((-0.03, 0.0, 0.015), (0.3, 0.26, 0.03), rounding=0.04, chamfer=0.004),
-            block((-0.16, 0.0, 0.1), (0.14, 0.15, 0.13), rounding=0.02),
-        ),
+        block((-0.03, 0.0, 0.015), (0.3, 0.26, 0.03), rounding=0.04, chamfer=0.004),
+        block((-0.16, 0.0, 0.1), (0.14, 0.15, 0.13), rounding=0.02),
     ),
-    Part(
+    body(
         'base',
         'base_link',
         _WHITE,
-        (
-            block((-0.03, 0.0, 0.1), (0.24, 0.23, 0.14), rounding=0.07, chamfer=0.02),
-            tube((0.0, 0.0, 0.16), (0.0, 0.0, 0.23), 0.11, 0.105),
-        ),
-        collision=True,
+        block((-0.03, 0.0, 0.1), (0.24, 0.23, 0.14), rounding=0.07, chamfer=0.02),
+        tube((0.0, 0.0, 0.16), (0.0, 0.0, 0.23), 0.11, 0.105),
     ),
-    Part('turntable', 'link_1', _GREY, (hub((0.0, 0.0, 0.236), 'z', 0.1, 0.012, chamfer=0.003),)),
-    Part(
+    trim('turntable', 'link_1', _GREY, hub((0.0, 0.0, 0.236), 'z', 0.1, 0.012, chamfer=0.003)),
+    body(
         'shoulder',
         'link_1',
         _WHITE,
-        (
-            tube((0.0, 0.0, 0.242), (0.0, 0.0, _SHOULDER - 0.03), 0.105, 0.1, chamfer=0.015),
-            plate(
-                ((-0.07, 0.0, 0.3), (0.05, 0.0, 0.3), (0.0, 0.0, _SHOULDER)),
-                axis='y',
-                width=0.14,
-                rounding=0.085,
-                chamfer=0.02,
-            ),
+        tube((0.0, 0.0, 0.242), (0.0, 0.0, _SHOULDER - 0.03), 0.105, 0.1, chamfer=0.015),
+        plate(
+            ((-0.07, 0.0, 0.3), (0.05, 0.0, 0.3), (0.0, 0.0, _SHOULDER)),
+            axis='y',
+            width=0.14,
+            rounding=0.085,
+            chamfer=0.02,
         ),
-        collision=True,
     ),
-    Part('shoulder_cap', 'link_1', _GREY, (hub((0.0, -0.075, _SHOULDER), 'y', 0.065, 0.02, chamfer=0.005),)),
-    Part(
-        'mark', 'link_1', _RED, (block((0.1, 0.0, 0.3), (0.014, 0.05, 0.05), rounding=0.01, chamfer=0.004),)
-    ),
-    Part(
+    trim('shoulder_cap', 'link_1', _GREY, hub((0.0, -0.075, _SHOULDER), 'y', 0.065, 0.02, chamfer=0.005)),
+    trim('mark', 'link_1', _RED, block((0.1, 0.0, 0.3), (0.014, 0.05, 0.05), rounding=0.01, chamfer=0.004)),
+    body(
         'upper_arm',
         'link_2',
         _WHITE,
-        (
-            tapered_arm(
-                (0.0, 0.115, _SHOULDER), (0.0, 0.115, _ELBOW), 0.085, 0.07, axis='y', width=0.09, chamfer=0.02
-            ),
+        tapered_arm(
+            (0.0, 0.115, _SHOULDER), (0.0, 0.115, _ELBOW), 0.085, 0.07, axis='y', width=0.09, chamfer=0.02
         ),
-        collision=True,
     ),
-    Part(
+    trim(
         'upper_arm_caps',
         'link_2',
         _GREY,
-        (
-            hub((0.0, 0.165, _SHOULDER), 'y', 0.06, 0.016, chamfer=0.005),
-            hub((0.0, 0.165, _ELBOW), 'y', 0.048, 0.016, chamfer=0.005),
-        ),
+        hub((0.0, 0.165, _SHOULDER), 'y', 0.06, 0.016, chamfer=0.005),
+        hub((0.0, 0.165, _ELBOW), 'y', 0.048, 0.016, chamfer=0.005),
     ),
-    Part(
+    body(
         'elbow',
         'link_3',
         _WHITE,
-        (
-            plate(
-                ((0.0, 0.0, _ELBOW), (_A4_X - 0.02, 0.0, _ELBOW - 0.03), (_A4_X, 0.0, _ELBOW + 0.1)),
-                axis='y',
-                width=0.135,
-                rounding=0.065,
-                chamfer=0.02,
-            ),
-            tube((_A4_X, 0.0, _ELBOW + 0.1), (_A4_X, 0.0, _ELBOW + 0.185), 0.064, 0.06),
+        plate(
+            ((0.0, 0.0, _ELBOW), (_A4_X - 0.02, 0.0, _ELBOW - 0.03), (_A4_X, 0.0, _ELBOW + 0.1)),
+            axis='y',
+            width=0.135,
+            rounding=0.065,
+            chamfer=0.02,
         ),
-        collision=True,
+        tube((_A4_X, 0.0, _ELBOW + 0.1), (_A4_X, 0.0, _ELBOW + 0.185), 0.064, 0.06),
     ),
-    Part('elbow_cap', 'link_3', _GREY, (hub((0.0, -0.07, _ELBOW), 'y', 0.045, 0.02, chamfer=0.005),)),
-    Part(
+    trim('elbow_cap', 'link_3', _GREY, hub((0.0, -0.07, _ELBOW), 'y', 0.045, 0.02, chamfer=0.005)),
+    body(
         'forearm',
         'link_4',
         _WHITE,
-        (
-            tube((_A4_X, 0.0, _ELBOW + 0.19), (_A4_X, 0.0, _WRIST - 0.05), 0.056, 0.046),
-            tapered_arm(
-                (_A4_X, 0.04, _WRIST - 0.07), (_A4_X, 0.04, _WRIST), 0.042, 0.04, axis='y', width=0.026
-            ),
-            tapered_arm(
-                (_A4_X, -0.04, _WRIST - 0.07), (_A4_X, -0.04, _WRIST), 0.042, 0.04, axis='y', width=0.026
-            ),
+        tube((_A4_X, 0.0, _ELBOW + 0.19), (_A4_X, 0.0, _WRIST - 0.05), 0.056, 0.046),
+        *fork(
+            (_A4_X, 0.0, _WRIST - 0.07), (_A4_X, 0.0, _WRIST), 0.042, 0.04, axis='y', aside=0.04, width=0.026
         ),
-        collision=True,
     ),
-    Part(
+    body(
         'hand',
         'link_5',
         _GREY,
-        (
-            hub((_A4_X, 0.0, _WRIST), 'y', 0.038, 0.05),
-            tube((_A4_X, 0.0, _WRIST), (_A4_X, 0.0, _FLANGE - 0.022), 0.036, 0.034, chamfer=0.006),
-        ),
-        collision=True,
+        hub((_A4_X, 0.0, _WRIST), 'y', 0.038, 0.05),
+        tube((_A4_X, 0.0, _WRIST), (_A4_X, 0.0, _FLANGE - 0.022), 0.036, 0.034, chamfer=0.006),
     ),
-    Part(
+    body(
         'flange',
         'link_6',
         _STEEL,
-        (tube((_A4_X, 0.0, _FLANGE - 0.022), (_A4_X, 0.0, _FLANGE), 0.03, 0.03, chamfer=0.003),),
-        collision=True,
+        tube((_A4_X, 0.0, _FLANGE - 0.022), (_A4_X, 0.0, _FLANGE), 0.03, 0.03, chamfer=0.003),
     ),
 )

@@ -1,7 +1,7 @@
 """What Staubli's arms look like: our own drawing, arm upright (all joints at zero)."""
 
 from robots_models.families.staubli import StaubliData
-from solids import Part, block, enlarged, hub, tapered_arm, tube
+from solids import Part, block, body, enlarged, fork, hub, tapered_arm, trim, tube
 
 _YELLOW = (0.98, 0.8, 0.12)
 _PALE = (0.93, 0.93, 0.9)
@@ -20,123 +20,89 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
         bulk: How much thicker it is than a TX2-90.
         pale: White with grey caps, instead of yellow.
     """
-    body, caps = (_PALE, _GREY) if pale else (_YELLOW, _BLACK)
+    paint, caps = (_PALE, _GREY) if pale else (_YELLOW, _BLACK)
     shoulder = data.shoulder_height / bulk
     x, y = data.shoulder_offset / bulk, data.lateral_offset / bulk
     elbow = shoulder + data.upper_arm / bulk
     wrist = elbow + data.forearm / bulk
     flange = wrist + data.flange / bulk
     parts = (
-        Part(
+        trim(
             'foot',
             'base_link',
             _GREY,
-            (
-                block((-0.02, 0.0, 0.015), (0.34, 0.32, 0.03), rounding=0.05, chamfer=0.004),
-                block((-0.15, 0.0, 0.09), (0.12, 0.16, 0.12)),
-            ),
+            block((-0.02, 0.0, 0.015), (0.34, 0.32, 0.03), rounding=0.05, chamfer=0.004),
+            block((-0.15, 0.0, 0.09), (0.12, 0.16, 0.12)),
         ),
-        Part(
+        body(
             'base',
             'base_link',
-            body,
-            (
-                tube((0.0, 0.0, 0.03), (0.0, 0.0, 0.16), 0.15, 0.135, chamfer=0.02),
-                tube((0.0, 0.0, 0.14), (0.0, 0.0, shoulder - 0.17), 0.135, 0.13, chamfer=0.02),
-            ),
-            collision=True,
+            paint,
+            tube((0.0, 0.0, 0.03), (0.0, 0.0, 0.16), 0.15, 0.135, chamfer=0.02),
+            tube((0.0, 0.0, 0.14), (0.0, 0.0, shoulder - 0.17), 0.135, 0.13, chamfer=0.02),
         ),
-        Part(
+        trim(
             'turntable',
             'link_1',
             _BLACK,
-            (tube((0.0, 0.0, shoulder - 0.17), (0.0, 0.0, shoulder - 0.155), 0.125, 0.125, chamfer=0.003),),
+            tube((0.0, 0.0, shoulder - 0.17), (0.0, 0.0, shoulder - 0.155), 0.125, 0.125, chamfer=0.003),
         ),
-        Part(
+        body(
             'shoulder',
             'link_1',
-            body,
-            (
-                tube((0.0, 0.0, shoulder - 0.155), (0.4 * x, 0.0, shoulder), 0.135, 0.12, chamfer=0.02),
-                hub((x, 0.01, shoulder), 'y', 0.13, 0.21, chamfer=0.03),
-            ),
-            collision=True,
+            paint,
+            tube((0.0, 0.0, shoulder - 0.155), (0.4 * x, 0.0, shoulder), 0.135, 0.12, chamfer=0.02),
+            hub((x, 0.01, shoulder), 'y', 0.13, 0.21, chamfer=0.03),
         ),
-        Part('shoulder_cap', 'link_1', caps, (hub((x, -0.105, shoulder), 'y', 0.09, 0.04),)),
-        Part(
+        trim('shoulder_cap', 'link_1', caps, hub((x, -0.105, shoulder), 'y', 0.09, 0.04)),
+        body(
             'upper_arm',
             'link_2',
-            body,
-            (
-                tapered_arm(
-                    (x, _ASIDE, shoulder),
-                    (x, _ASIDE, elbow),
-                    0.125,
-                    0.095,
-                    axis='y',
-                    width=0.13,
-                    chamfer=0.03,
-                ),
+            paint,
+            tapered_arm(
+                (x, _ASIDE, shoulder), (x, _ASIDE, elbow), 0.125, 0.095, axis='y', width=0.13, chamfer=0.03
             ),
-            collision=True,
         ),
-        Part(
+        trim(
             'upper_arm_caps',
             'link_2',
             caps,
-            (
-                hub((x, _ASIDE + 0.068, shoulder), 'y', 0.085, 0.02, chamfer=0.006),
-                hub((x, _ASIDE + 0.068, elbow), 'y', 0.065, 0.02, chamfer=0.006),
-            ),
+            hub((x, _ASIDE + 0.068, shoulder), 'y', 0.085, 0.02, chamfer=0.006),
+            hub((x, _ASIDE + 0.068, elbow), 'y', 0.065, 0.02, chamfer=0.006),
         ),
-        Part(
+        body(
             'elbow',
             'link_3',
-            body,
-            (
-                tube((x, _ASIDE - 0.07, elbow), (x, y - 0.08, elbow), 0.095, 0.09, chamfer=0.02),
-                tube((x, y, elbow - 0.1), (x, y, elbow + 0.13), 0.075, 0.085, chamfer=0.025),
-            ),
-            collision=True,
+            paint,
+            tube((x, _ASIDE - 0.07, elbow), (x, y - 0.08, elbow), 0.095, 0.09, chamfer=0.02),
+            tube((x, y, elbow - 0.1), (x, y, elbow + 0.13), 0.075, 0.085, chamfer=0.025),
         ),
-        Part('elbow_cap', 'link_3', caps, (hub((x, y - 0.085, elbow), 'y', 0.06, 0.02, chamfer=0.006),)),
-        Part(
+        trim('elbow_cap', 'link_3', caps, hub((x, y - 0.085, elbow), 'y', 0.06, 0.02, chamfer=0.006)),
+        trim(
             'forearm_ring',
             'link_4',
             _BLACK,
-            (tube((x, y, elbow + 0.13), (x, y, elbow + 0.142), 0.075, 0.075, chamfer=0.003),),
+            tube((x, y, elbow + 0.13), (x, y, elbow + 0.142), 0.075, 0.075, chamfer=0.003),
         ),
-        Part(
+        body(
             'forearm',
             'link_4',
-            body,
-            (
-                tube((x, y, elbow + 0.142), (x, y, wrist - 0.115), 0.082, 0.06, chamfer=0.015),
-                tapered_arm(
-                    (x, y + 0.05, wrist - 0.14), (x, y + 0.05, wrist), 0.045, 0.04, axis='y', width=0.025
-                ),
-                tapered_arm(
-                    (x, y - 0.05, wrist - 0.14), (x, y - 0.05, wrist), 0.045, 0.04, axis='y', width=0.025
-                ),
-            ),
-            collision=True,
+            paint,
+            tube((x, y, elbow + 0.142), (x, y, wrist - 0.115), 0.082, 0.06, chamfer=0.015),
+            *fork((x, y, wrist - 0.14), (x, y, wrist), 0.045, 0.04, axis='y', aside=0.05, width=0.025),
         ),
-        Part(
+        body(
             'hand',
             'link_5',
             caps,
-            (
-                hub((x, y, wrist), 'y', 0.038, 0.07),
-                tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.035, 0.032),
-            ),
-            collision=True,
+            hub((x, y, wrist), 'y', 0.038, 0.07),
+            tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.035, 0.032),
         ),
-        Part(
+        body(
             'flange',
             'link_6',
             _STEEL,
-            (tube((x, y, flange - 0.028), (x, y, flange), 0.03, 0.03, chamfer=0.003),),
-            collision=True,
+            tube((x, y, flange - 0.028), (x, y, flange), 0.03, 0.03, chamfer=0.003),
         ),
     )
     return tuple(enlarged(part, bulk) for part in parts)
