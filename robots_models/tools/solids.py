@@ -85,6 +85,19 @@ def tube(
     return loft(outlines)
 
 
+def upright(
+    begin: float,
+    end: float,
+    radius_begin: float,
+    radius_end: float,
+    *,
+    at: tuple[float, float] = (0.0, 0.0),
+    chamfer: float = CHAMFER,
+) -> Mesh:
+    """`tube` parallel to the z axis at (x, y), from one height to another."""
+    return tube((*at, begin), (*at, end), radius_begin, radius_end, chamfer=chamfer)
+
+
 def tapered_arm(
     start: ArrayLike,
     end: ArrayLike,

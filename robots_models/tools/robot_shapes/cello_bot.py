@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.cello_bot.model import CelloBotData
-from solids import block, body, fork, hub, plate, tapered_arm, trim, tube
+from solids import block, body, fork, hub, plate, tapered_arm, trim, tube, upright
 
 _DATA = CelloBotData()
 _VARNISH = (0.55, 0.24, 0.1)
@@ -26,8 +26,8 @@ PARTS: Final = (
         'stand',
         'base_link',
         _EBONY,
-        tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.025), 0.2, 0.195, chamfer=0.006),
-        tube((-0.05, 0.0, 0.02), (-0.05, 0.0, 0.16), 0.018, 0.024, chamfer=0.004),
+        upright(0.0, 0.025, 0.2, 0.195, chamfer=0.006),
+        upright(0.02, 0.16, 0.018, 0.024, at=(-0.05, 0.0), chamfer=0.004),
     ),
     # Two bouts and a waist.
     body(
@@ -65,7 +65,7 @@ PARTS: Final = (
         'base_link',
         _BRASS,
         *(
-            tube((_RAIL_X - 0.02, y, 0.42), (_RAIL_X - 0.02, y, _TOP + 0.08), 0.007, 0.007, chamfer=0.002)
+            upright(0.42, _TOP + 0.08, 0.007, 0.007, at=(_RAIL_X - 0.02, y), chamfer=0.002)
             for y in (0.022, -0.022)
         ),
     ),

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.debris_arm.model import DebrisArmData
-from solids import block, body, hub, trim, tube
+from solids import block, body, hub, trim, tube, upright
 
 _DATA = DebrisArmData()
 _GOLD = (0.85, 0.65, 0.2)
@@ -38,12 +38,12 @@ PARTS: Final = (
         tube((-0.33, 0.16, 0.3), (-0.48, 0.16, 0.3), 0.04, 0.08, chamfer=0.005),
         tube((-0.33, -0.16, 0.3), (-0.48, -0.16, 0.3), 0.04, 0.08, chamfer=0.005),
     ),
-    body('mount', 'base_link', _GREY, tube((0.0, 0.0, 0.66), (0.0, 0.0, 0.94), 0.2, 0.13, chamfer=0.015)),
+    body('mount', 'base_link', _GREY, upright(0.66, 0.94, 0.2, 0.13, chamfer=0.015)),
     body(
         'shoulder',
         'link_1',
         _WHITE,
-        tube((0.0, 0.0, 0.95), (0.0, 0.0, _SHOULDER), 0.125, 0.11),
+        upright(0.95, _SHOULDER, 0.125, 0.11),
         hub((0.0, 0.0, _SHOULDER), 'y', 0.12, 0.2, chamfer=0.02),
     ),
     trim(
@@ -57,7 +57,7 @@ PARTS: Final = (
         'upper_arm',
         'link_2',
         _WHITE,
-        tube((0.0, 0.0, _SHOULDER + 0.1), (0.0, 0.0, _ELBOW - 0.1), 0.075, 0.075),
+        upright(_SHOULDER + 0.1, _ELBOW - 0.1, 0.075, 0.075),
         hub((0.0, 0.0, _ELBOW), 'y', 0.11, 0.18, chamfer=0.02),
     ),
     trim(
@@ -67,12 +67,8 @@ PARTS: Final = (
         hub((0.0, 0.0, _SHOULDER + 0.5), 'z', 0.079, 0.05, chamfer=0.004),
         hub((0.0, 0.0, _ELBOW - 0.5), 'z', 0.079, 0.05, chamfer=0.004),
     ),
-    body(
-        'forearm', 'link_3', _WHITE, tube((0.0, 0.0, _ELBOW + 0.09), (0.0, 0.0, _GRIPPER - 0.24), 0.066, 0.06)
-    ),
-    body(
-        'wrist', 'link_3', _GREY, tube((0.0, 0.0, _GRIPPER - 0.25), (0.0, 0.0, _GRIPPER - 0.12), 0.085, 0.1)
-    ),
+    body('forearm', 'link_3', _WHITE, upright(_ELBOW + 0.09, _GRIPPER - 0.24, 0.066, 0.06)),
+    body('wrist', 'link_3', _GREY, upright(_GRIPPER - 0.25, _GRIPPER - 0.12, 0.085, 0.1)),
     # The gripper that holds a satellite's docking ring.
     body(
         'jaws',

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.franka_fr3.model import FrankaFr3Data
-from solids import block, body, hub, plate, trim, tube
+from solids import block, body, hub, plate, trim, tube, upright
 
 _DATA = FrankaFr3Data()
 _WHITE = (0.95, 0.95, 0.95)
@@ -23,14 +23,14 @@ PARTS: Final = (
         'base_link',
         _WHITE,
         block((-0.045, 0.0, 0.03), (0.24, 0.19, 0.06), rounding=0.06, chamfer=0.02),
-        tube((0.0, 0.0, 0.04), (0.0, 0.0, 0.138), 0.088, 0.068, chamfer=0.02),
+        upright(0.04, 0.138, 0.088, 0.068, chamfer=0.02),
     ),
     trim('ring_1', 'link_1', _DARK, hub((0.0, 0.0, 0.145), 'z', 0.06, 0.014, chamfer=0.003)),
     body(
         'shoulder',
         'link_1',
         _WHITE,
-        tube((0.0, 0.0, 0.152), (0.0, 0.0, _SHOULDER - 0.02), 0.066, 0.062, chamfer=0.015),
+        upright(0.152, _SHOULDER - 0.02, 0.066, 0.062, chamfer=0.015),
         tube((0.0, -0.095, _SHOULDER), (0.0, 0.01, _SHOULDER), 0.05, 0.066, chamfer=0.02),
     ),
     body(
@@ -72,7 +72,7 @@ PARTS: Final = (
             rounding=0.048,
             chamfer=0.02,
         ),
-        tube((0.0, 0.0, _ELBOW + 0.08), (0.0, 0.0, _ELBOW + 0.125), 0.056, 0.056),
+        upright(_ELBOW + 0.08, _ELBOW + 0.125, 0.056, 0.056),
     ),
     trim('ring_5', 'link_5', _DARK, hub((0.0, 0.0, _ELBOW + 0.132), 'z', 0.05, 0.014, chamfer=0.003)),
     # The forearm's lower half hangs to one side, so that the hand can fold back.
@@ -81,7 +81,7 @@ PARTS: Final = (
         'link_5',
         _WHITE,
         tube((0.0, 0.0, _ELBOW + 0.139), (0.0, 0.06, _WRIST - 0.1), 0.055, 0.042, chamfer=0.012),
-        tube((0.0, 0.075, _WRIST - 0.12), (0.0, 0.075, _WRIST + 0.01), 0.042, 0.046, chamfer=0.015),
+        upright(_WRIST - 0.12, _WRIST + 0.01, 0.042, 0.046, at=(0.0, 0.075), chamfer=0.015),
         tube((0.0, 0.09, _WRIST), (0.0, 0.0, _WRIST), 0.045, 0.05, chamfer=0.012),
     ),
     body(
@@ -92,14 +92,14 @@ PARTS: Final = (
         plate(
             ((0.0, 0.0, _WRIST), (_A7_X, 0.0, _WRIST)), axis='y', width=0.085, rounding=0.045, chamfer=0.018
         ),
-        tube((_A7_X, 0.0, _WRIST + 0.045), (_A7_X, 0.0, _WRIST - 0.05), 0.042, 0.046),
+        upright(_WRIST + 0.045, _WRIST - 0.05, 0.042, 0.046, at=(_A7_X, 0.0)),
     ),
     body(
         'flange',
         'link_7',
         _STEEL,
-        tube((_A7_X, 0.0, _WRIST - 0.05), (_A7_X, 0.0, _FLANGE + 0.012), 0.044, 0.044, chamfer=0.005),
-        tube((_A7_X, 0.0, _FLANGE + 0.012), (_A7_X, 0.0, _FLANGE), 0.032, 0.032, chamfer=0.003),
+        upright(_WRIST - 0.05, _FLANGE + 0.012, 0.044, 0.044, at=(_A7_X, 0.0), chamfer=0.005),
+        upright(_FLANGE + 0.012, _FLANGE, 0.032, 0.032, at=(_A7_X, 0.0), chamfer=0.003),
     ),
     trim(
         'flange_button',

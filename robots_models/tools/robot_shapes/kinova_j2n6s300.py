@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.robot_model.shapes import Mesh
 from robots_models.kinova_j2n6s300.model import KinovaJ2n6s300Data
-from solids import Direction, body, hub, trim, tube
+from solids import Direction, body, hub, trim, tube, upright
 
 _DATA = KinovaJ2n6s300Data()
 _CARBON = (0.1, 0.1, 0.11)
@@ -51,15 +51,15 @@ PARTS: Final = (
         'base',
         'base_link',
         _CARBON,
-        tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.02), 0.075, 0.07, chamfer=0.005),
-        tube((0.0, 0.0, 0.015), (0.0, 0.0, 0.15), 0.045, 0.043, chamfer=0.006),
+        upright(0.0, 0.02, 0.075, 0.07, chamfer=0.005),
+        upright(0.015, 0.15, 0.045, 0.043, chamfer=0.006),
     ),
     trim('ring_1', 'link_1', _SILVER, _ring((0.0, 0.0, 0.157), 'z', 0.042)),
     body(
         'shoulder',
         'link_1',
         _CARBON,
-        tube((0.0, 0.0, 0.163), (0.0, 0.0, _SHOULDER - 0.01), 0.042, 0.042, chamfer=0.01),
+        upright(0.163, _SHOULDER - 0.01, 0.042, 0.042, chamfer=0.01),
         tube((0.0, -0.002, _SHOULDER), (0.0, 0.058, _SHOULDER), 0.043, 0.038, chamfer=0.01),
     ),
     trim('ring_2', 'link_2', _SILVER, _ring((0.0, -0.008, _SHOULDER), 'y', 0.043)),
@@ -68,7 +68,7 @@ PARTS: Final = (
         'link_2',
         _CARBON,
         tube((0.0, -0.014, _SHOULDER), (0.0, -0.064, _SHOULDER), 0.043, 0.038, chamfer=0.01),
-        tube((0.0, _SIDE - 0.02, _SHOULDER + 0.02), (0.0, _SIDE - 0.02, _ELBOW - 0.02), 0.038, 0.034),
+        upright(_SHOULDER + 0.02, _ELBOW - 0.02, 0.038, 0.034, at=(0.0, _SIDE - 0.02)),
         tube((0.0, -0.008, _ELBOW), (0.0, -0.064, _ELBOW), 0.041, 0.036, chamfer=0.01),
     ),
     trim('ring_3', 'link_3', _SILVER, _ring((0.0, -0.002, _ELBOW), 'y', 0.041)),

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.kuka_lbr_iiwa14.model import KukaLbrIiwa14Data
-from solids import Part, body, hub, trim, tube
+from solids import Part, body, hub, trim, tube, upright
 
 _DATA = KukaLbrIiwa14Data()
 _SILVER = (0.86, 0.87, 0.88)
@@ -29,8 +29,8 @@ PARTS: Final = (
         'base',
         'base_link',
         _GREY,
-        tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.03), 0.115, 0.115, chamfer=0.005),
-        tube((0.0, 0.0, 0.025), (0.0, 0.0, _TURN_1 - 0.004), 0.105, 0.085, chamfer=0.01),
+        upright(0.0, 0.03, 0.115, 0.115, chamfer=0.005),
+        upright(0.025, _TURN_1 - 0.004, 0.105, 0.085, chamfer=0.01),
         tube((-0.06, 0.0, 0.06), (-0.16, 0.0, 0.05), 0.045, 0.04, chamfer=0.006),
     ),
     _ring(_TURN_1, 0.081, 'link_1', 'ring_1'),
@@ -69,20 +69,15 @@ PARTS: Final = (
         'link_5',
         _SILVER,
         tube((0.0, 0.0, _TURN_5 + 0.004), (0.0, -0.03, _WRIST - 0.05), 0.062, 0.05, chamfer=0.012),
-        tube((0.0, -0.075, _WRIST - 0.08), (0.0, -0.075, _WRIST + 0.05), 0.045, 0.045, chamfer=0.015),
+        upright(_WRIST - 0.08, _WRIST + 0.05, 0.045, 0.045, at=(0.0, -0.075), chamfer=0.015),
     ),
     body(
         'hand',
         'link_6',
         _SILVER,
         hub((0.0, 0.012, _WRIST), 'y', 0.062, 0.085, chamfer=0.02),
-        tube((0.0, 0.0, _WRIST), (0.0, 0.0, _TURN_7 - 0.004), 0.056, 0.048, chamfer=0.01),
+        upright(_WRIST, _TURN_7 - 0.004, 0.056, 0.048, chamfer=0.01),
     ),
     _ring(_TURN_7, 0.042, 'link_7', 'ring_7'),
-    body(
-        'flange',
-        'link_7',
-        _STEEL,
-        tube((0.0, 0.0, _TURN_7 + 0.004), (0.0, 0.0, _FLANGE), 0.046, 0.042, chamfer=0.005),
-    ),
+    body('flange', 'link_7', _STEEL, upright(_TURN_7 + 0.004, _FLANGE, 0.046, 0.042, chamfer=0.005)),
 )

@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.manutec_r3.model import ManutecR3Data
-from solids import block, body, fork, hub, pedestal, tapered_arm, trim, tube
+from solids import block, body, fork, hub, pedestal, tapered_arm, trim, tube, upright
 
 _DATA = ManutecR3Data()
 _RED = (0.78, 0.16, 0.12)
@@ -71,20 +71,20 @@ PARTS: Final = (
         'link_3',
         _RED,
         tapered_arm((0.0, _Y2, _ELBOW), (0.0, _Y4, _ELBOW + 0.12), 0.115, 0.1, axis='x', width=0.2),
-        tube((0.0, _Y4, _ELBOW + 0.1), (0.0, _Y4, _ELBOW + 0.3), 0.1, 0.085, chamfer=0.02),
+        upright(_ELBOW + 0.1, _ELBOW + 0.3, 0.1, 0.085, at=(0.0, _Y4), chamfer=0.02),
     ),
     trim(
         'motors_wrist',
         'link_3',
         _BLACK,
-        tube((-0.05, _Y2 - 0.03, _ELBOW - 0.02), (-0.05, _Y2 - 0.03, _ELBOW - 0.22), 0.05, 0.05),
-        tube((0.05, _Y2 - 0.03, _ELBOW - 0.02), (0.05, _Y2 - 0.03, _ELBOW - 0.22), 0.05, 0.05),
+        upright(_ELBOW - 0.02, _ELBOW - 0.22, 0.05, 0.05, at=(-0.05, _Y2 - 0.03)),
+        upright(_ELBOW - 0.02, _ELBOW - 0.22, 0.05, 0.05, at=(0.05, _Y2 - 0.03)),
     ),
     body(
         'forearm',
         'link_4',
         _CREAM,
-        tube((0.0, _Y4, _ELBOW + 0.305), (0.0, _Y4, _WRIST - 0.08), 0.085, 0.072, chamfer=0.015),
+        upright(_ELBOW + 0.305, _WRIST - 0.08, 0.085, 0.072, at=(0.0, _Y4), chamfer=0.015),
         *fork((0.0, _Y4, _WRIST - 0.1), (0.0, _Y4, _WRIST), 0.06, 0.058, axis='x', aside=0.06, width=0.035),
     ),
     body(
@@ -92,12 +92,12 @@ PARTS: Final = (
         'link_5',
         _GREY,
         hub((0.0, _Y4, _WRIST), 'x', 0.056, 0.08),
-        tube((0.0, _Y4, _WRIST), (0.0, _Y4, _FLANGE - 0.03), 0.052, 0.048, chamfer=0.006),
+        upright(_WRIST, _FLANGE - 0.03, 0.052, 0.048, at=(0.0, _Y4), chamfer=0.006),
     ),
     body(
         'flange',
         'link_6',
         _STEEL,
-        tube((0.0, _Y4, _FLANGE - 0.03), (0.0, _Y4, _FLANGE), 0.045, 0.045, chamfer=0.004),
+        upright(_FLANGE - 0.03, _FLANGE, 0.045, 0.045, at=(0.0, _Y4), chamfer=0.004),
     ),
 )

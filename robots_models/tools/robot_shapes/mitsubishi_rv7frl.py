@@ -3,7 +3,7 @@
 from typing import Final
 
 from robots_models.mitsubishi_rv7frl.model import MitsubishiRv7frlData
-from solids import block, body, fork, hub, plate, tapered_arm, trim, tube
+from solids import block, body, fork, hub, plate, tapered_arm, trim, upright
 
 _DATA = MitsubishiRv7frlData()
 _WHITE = (0.94, 0.94, 0.93)
@@ -30,14 +30,14 @@ PARTS: Final = (
         'base_link',
         _WHITE,
         block((-0.03, 0.0, 0.1), (0.24, 0.23, 0.14), rounding=0.07, chamfer=0.02),
-        tube((0.0, 0.0, 0.16), (0.0, 0.0, 0.23), 0.11, 0.105),
+        upright(0.16, 0.23, 0.11, 0.105),
     ),
     trim('turntable', 'link_1', _GREY, hub((0.0, 0.0, 0.236), 'z', 0.1, 0.012, chamfer=0.003)),
     body(
         'shoulder',
         'link_1',
         _WHITE,
-        tube((0.0, 0.0, 0.242), (0.0, 0.0, _SHOULDER - 0.03), 0.105, 0.1, chamfer=0.015),
+        upright(0.242, _SHOULDER - 0.03, 0.105, 0.1, chamfer=0.015),
         plate(
             ((-0.07, 0.0, 0.3), (0.05, 0.0, 0.3), (0.0, 0.0, _SHOULDER)),
             axis='y',
@@ -74,14 +74,14 @@ PARTS: Final = (
             rounding=0.065,
             chamfer=0.02,
         ),
-        tube((_A4_X, 0.0, _ELBOW + 0.1), (_A4_X, 0.0, _ELBOW + 0.185), 0.064, 0.06),
+        upright(_ELBOW + 0.1, _ELBOW + 0.185, 0.064, 0.06, at=(_A4_X, 0.0)),
     ),
     trim('elbow_cap', 'link_3', _GREY, hub((0.0, -0.07, _ELBOW), 'y', 0.045, 0.02, chamfer=0.005)),
     body(
         'forearm',
         'link_4',
         _WHITE,
-        tube((_A4_X, 0.0, _ELBOW + 0.19), (_A4_X, 0.0, _WRIST - 0.05), 0.056, 0.046),
+        upright(_ELBOW + 0.19, _WRIST - 0.05, 0.056, 0.046, at=(_A4_X, 0.0)),
         *fork(
             (_A4_X, 0.0, _WRIST - 0.07), (_A4_X, 0.0, _WRIST), 0.042, 0.04, axis='y', aside=0.04, width=0.026
         ),
@@ -91,12 +91,12 @@ PARTS: Final = (
         'link_5',
         _GREY,
         hub((_A4_X, 0.0, _WRIST), 'y', 0.038, 0.05),
-        tube((_A4_X, 0.0, _WRIST), (_A4_X, 0.0, _FLANGE - 0.022), 0.036, 0.034, chamfer=0.006),
+        upright(_WRIST, _FLANGE - 0.022, 0.036, 0.034, at=(_A4_X, 0.0), chamfer=0.006),
     ),
     body(
         'flange',
         'link_6',
         _STEEL,
-        tube((_A4_X, 0.0, _FLANGE - 0.022), (_A4_X, 0.0, _FLANGE), 0.03, 0.03, chamfer=0.003),
+        upright(_FLANGE - 0.022, _FLANGE, 0.03, 0.03, at=(_A4_X, 0.0), chamfer=0.003),
     ),
 )

@@ -1,7 +1,7 @@
 """What Staubli's arms look like: our own drawing, arm upright (all joints at zero)."""
 
 from robots_models.families.staubli import StaubliData
-from solids import Part, block, body, enlarged, fork, hub, tapered_arm, trim, tube
+from solids import Part, block, body, enlarged, fork, hub, tapered_arm, trim, tube, upright
 
 _YELLOW = (0.98, 0.8, 0.12)
 _PALE = (0.93, 0.93, 0.9)
@@ -38,14 +38,14 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'base',
             'base_link',
             paint,
-            tube((0.0, 0.0, 0.03), (0.0, 0.0, 0.16), 0.15, 0.135, chamfer=0.02),
-            tube((0.0, 0.0, 0.14), (0.0, 0.0, shoulder - 0.17), 0.135, 0.13, chamfer=0.02),
+            upright(0.03, 0.16, 0.15, 0.135, chamfer=0.02),
+            upright(0.14, shoulder - 0.17, 0.135, 0.13, chamfer=0.02),
         ),
         trim(
             'turntable',
             'link_1',
             _BLACK,
-            tube((0.0, 0.0, shoulder - 0.17), (0.0, 0.0, shoulder - 0.155), 0.125, 0.125, chamfer=0.003),
+            upright(shoulder - 0.17, shoulder - 0.155, 0.125, 0.125, chamfer=0.003),
         ),
         body(
             'shoulder',
@@ -75,20 +75,20 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'link_3',
             paint,
             tube((x, _ASIDE - 0.07, elbow), (x, y - 0.08, elbow), 0.095, 0.09, chamfer=0.02),
-            tube((x, y, elbow - 0.1), (x, y, elbow + 0.13), 0.075, 0.085, chamfer=0.025),
+            upright(elbow - 0.1, elbow + 0.13, 0.075, 0.085, at=(x, y), chamfer=0.025),
         ),
         trim('elbow_cap', 'link_3', caps, hub((x, y - 0.085, elbow), 'y', 0.06, 0.02, chamfer=0.006)),
         trim(
             'forearm_ring',
             'link_4',
             _BLACK,
-            tube((x, y, elbow + 0.13), (x, y, elbow + 0.142), 0.075, 0.075, chamfer=0.003),
+            upright(elbow + 0.13, elbow + 0.142, 0.075, 0.075, at=(x, y), chamfer=0.003),
         ),
         body(
             'forearm',
             'link_4',
             paint,
-            tube((x, y, elbow + 0.142), (x, y, wrist - 0.115), 0.082, 0.06, chamfer=0.015),
+            upright(elbow + 0.142, wrist - 0.115, 0.082, 0.06, at=(x, y), chamfer=0.015),
             *fork((x, y, wrist - 0.14), (x, y, wrist), 0.045, 0.04, axis='y', aside=0.05, width=0.025),
         ),
         body(
@@ -96,13 +96,10 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'link_5',
             caps,
             hub((x, y, wrist), 'y', 0.038, 0.07),
-            tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.035, 0.032),
+            upright(wrist + 0.01, flange - 0.028, 0.035, 0.032, at=(x, y)),
         ),
         body(
-            'flange',
-            'link_6',
-            _STEEL,
-            tube((x, y, flange - 0.028), (x, y, flange), 0.03, 0.03, chamfer=0.003),
+            'flange', 'link_6', _STEEL, upright(flange - 0.028, flange, 0.03, 0.03, at=(x, y), chamfer=0.003)
         ),
     )
     return tuple(enlarged(part, bulk) for part in parts)

@@ -2,7 +2,7 @@
 
 from robots_core.robot_model.shapes import Mesh
 from robots_models.families.universal_robots import UniversalRobotsData
-from solids import Part, body, enlarged, hub, trim, tube
+from solids import Part, body, enlarged, hub, trim, tube, upright
 
 _SILVER = (0.75, 0.77, 0.79)
 _DARK = (0.25, 0.27, 0.29)
@@ -27,23 +27,18 @@ def universal_robots_parts(data: UniversalRobotsData, *, bulk: float = 1.0) -> t
     hand_z = shoulder - data.d5 / bulk
     flange_y = wrist_y - data.d6 / bulk
     parts = (
-        body(
-            'base',
-            'base',
-            _SILVER,
-            tube((0.0, 0.0, 0.0), (0.0, 0.0, shoulder - 0.085), 0.076, 0.062, chamfer=0.01),
-        ),
+        body('base', 'base', _SILVER, upright(0.0, shoulder - 0.085, 0.076, 0.062, chamfer=0.01)),
         trim(
             'base_ring',
             'base',
             _DARK,
-            tube((0.0, 0.0, shoulder - 0.085), (0.0, 0.0, shoulder - 0.075), 0.058, 0.058, chamfer=0.002),
+            upright(shoulder - 0.085, shoulder - 0.075, 0.058, 0.058, chamfer=0.002),
         ),
         body(
             'shoulder',
             'link_1',
             _SILVER,
-            tube((0.0, 0.0, shoulder - 0.075), (0.0, 0.0, shoulder), 0.061, 0.061, chamfer=0.008),
+            upright(shoulder - 0.075, shoulder, 0.061, 0.061, chamfer=0.008),
             hub((0.0, -0.005, shoulder), 'y', 0.061, 0.13, chamfer=0.01),
         ),
         trim('shoulder_cap', 'link_1', _BLUE, hub((0.0, 0.066, shoulder), 'y', 0.056, 0.014, chamfer=0.006)),
