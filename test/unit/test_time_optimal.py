@@ -16,7 +16,6 @@ from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.timing.time_optimal import TimeOptimalTiming, local_excess
-from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.tool_limits import LimitedRates, PathLimits
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
@@ -132,17 +131,6 @@ def test_larger_limits_are_never_slower(robot: BaseRobotModel) -> None:
         slower = full_timing(robot, **smaller).trajectory(path).duration
         # What rounds of lowering limits cost is not the same for both.
         assert slower >= full * (1.0 - 5e-4)
-
-
-@pytest.mark.parametrize('jerk', [None, 100.0])
-def test_what_takes_longer_than_is_of_use_is_given_up(robot: BaseRobotModel, jerk: float | None) -> None:
-    axes, path = robot.axes_data, line_path(robot, 4)
-    jerks = None if jerk is None else np.full(axes.num_axes, jerk)
-    timing = TimeOptimalTiming(robot, axes.velocity, axes.acceleration, axes.effort, jerk=jerks)
-    duration = timing.trajectory(path).duration
-    assert timing.trajectory(path, longest=1.001 * duration).duration == duration
-    with pytest.raises(TooSlowError):
-        timing.trajectory(path, longest=0.9 * duration)
 
 
 def test_the_same_backwards_without_gravity(robot: BaseRobotModel) -> None:

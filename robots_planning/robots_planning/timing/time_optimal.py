@@ -19,7 +19,7 @@ from robots_planning.timing.path_start import PathStart
 from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
-from robots_planning.timing.timed_path import TimedPath, TooSlowError, slower, with_times
+from robots_planning.timing.timed_path import TimedPath, slower, with_times
 from robots_planning.timing.tool_limits import LimitedRates, PathLimits
 from robots_planning.timing.torque_limits import TorqueLimits
 from robots_planning.trajectory import Trajectory
@@ -109,7 +109,7 @@ class TimeOptimalTiming:
         self._torques = None if effort is None else TorqueLimits(robot, effort)
         self._ramp, self._longest_ramp = ramp, longest_ramp
 
-    def timed(self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf) -> TimedPath:
+    def timed(self, path: JointPath, tool: PathLimits | None = None) -> TimedPath:
         """The fastest trajectory from rest to rest along a path.
 
         With jerk limits, the fastest of several, each smoothed by another window.
@@ -117,20 +117,17 @@ class TimeOptimalTiming:
         Args:
             path: The joint path.
             tool: Limits of the tool besides those of the axes.
-            longest: Longest duration that the caller accepts, s; planning stops once it is exceeded.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,
                 torque, limit and the part of the path.
-            TooSlowError: the fastest trajectory takes longer.
         """
-        fastest: TimedPath | None = None
+        fastest, longest = None, np.inf
         for window in self._windows(path, tool):
             for plan in self._plans(path, tool, window, longest):
                 if plan.trajectory.duration <= longest:
                     fastest, longest = plan, plan.trajectory.duration
-        if fastest is None:
-            raise TooSlowError
+        assert fastest is not None
         return fastest
 
     def _windows(self, path: JointPath, tool: PathLimits | None) -> list[float]:
@@ -142,11 +139,9 @@ class TimeOptimalTiming:
         needed = longest * min(1.0, next(self._rounds(path, tool, window=longest)).jerk)
         return [max(part * needed, SHORTEST_RAMP) for part in JERK_RAMPS]
 
-    def trajectory(
-        self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf
-    ) -> Trajectory:
+    def trajectory(self, path: JointPath, tool: PathLimits | None = None) -> Trajectory:
         """The trajectory of `timed` alone; arguments and errors as there."""
-        return self.timed(path, tool, longest).trajectory
+        return self.timed(path, tool).trajectory
 
     def _plans(
         self, path: JointPath, tool: PathLimits | None, window: float, longest: float

@@ -14,10 +14,6 @@ from robots_planning.trajectory import Trajectory
 CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
 
 
-class TooSlowError(Exception):
-    """A motion takes longer than the caller accepts."""
-
-
 @dataclass(frozen=True, eq=False)
 class TimedPath:
     """A trajectory along a path.

@@ -17,7 +17,6 @@ from robots_planning.path_kinematics.route import Route, RoutePiece
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming
-from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.tool_limits import path_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.trajectory_generator import (
@@ -165,16 +164,13 @@ class CartesianGenerator(TrajectoryGenerator):
             raise
 
     def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
-        """The route that takes least time; timing of the others stops once they are slower."""
+        """The route that takes least time; others are left out once they are sure to take longer."""
         best: tuple[Trajectory, Route] | None = None
         longest = np.inf
         timed: dict[RoutePiece, Trajectory] = {}
-        for _, route in sorted(enumerate(routes), key=lambda item: (self._least_time(item[1]), item[0])):
-            try:
-                trajectory = self._timed(route, path, timed, longest)
-            except TooSlowError:
-                continue
-            if trajectory.duration < longest:
+        for route in sorted(routes, key=self._least_time):
+            trajectory = self._timed(route, path, timed, longest)
+            if trajectory is not None and trajectory.duration < longest:
                 best, longest = (trajectory, route), trajectory.duration
         assert best is not None
         return best
@@ -192,32 +188,30 @@ class CartesianGenerator(TrajectoryGenerator):
 
     def _timed(
         self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory], longest: float
-    ) -> Trajectory:
-        """The trajectory of a route; pieces that `timed` holds from another route are not timed again.
+    ) -> Trajectory | None:
+        """The trajectory of a route; None if it is sure to take longer than `longest`, s.
 
-        Raises:
-            TooSlowError: the route takes longer than `longest`, s.
+        Pieces that `timed` holds from another route are not timed again.
         """
         times = {
             piece: timed[piece].duration if piece in timed else self._least_time_of(piece) for piece in route
         }
         # For turns with the tool at rest the lower bound is tight, so they are timed last.
         for piece in sorted(route, key=lambda piece: piece.begin == piece.end):
-            left = longest - sum(times.values()) + times[piece]
-            if times[piece] > left:
-                raise TooSlowError
+            if sum(times.values()) > longest:
+                return None
             if piece not in timed:
-                timed[piece] = self.along(piece.joints, piece.tool(path), left)
+                timed[piece] = self.along(piece.joints, piece.tool(path))
                 times[piece] = timed[piece].duration
         return one_after_another([timed[piece] for piece in route])
 
-    def along(self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf) -> Trajectory:
+    def along(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
         """The timed motion from rest to rest along both over the same s; see `TimeOptimalTiming.timed`."""
         turning_tool = None
         if self.hold != POSE:
             turning_tool = np.zeros(3) if self.tool is None else self.tool.r
         limits = path_limits(self.robot, joint_path, tool_path, self._tool_limits, turning_tool)
-        return self._timing.trajectory(joint_path, limits, longest)
+        return self._timing.trajectory(joint_path, limits)
 
 
 def stands_still(route: Route) -> bool:
