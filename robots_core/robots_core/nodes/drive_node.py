@@ -118,7 +118,6 @@ class DriveNode(ManagedNode):
         # Only drives with masses feel what presses on the tool.
         masses = level == 'rigid_body'
         self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench') if masses else None
-        self._problem: str | None = None  # not reported yet
         self._powered = True
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous
@@ -220,15 +219,7 @@ class DriveNode(ManagedNode):
             self.journal.info(report)
 
     def _report_problem(self) -> None:
-        problem = self._supervised.problem if self.active else INACTIVE
-        if problem == self._problem:
-            return
-        self._problem = problem
-        if problem:
-            self.report_health(DiagnosticStatus.WARN, problem, **self._figures)
-            self.journal.warning(problem)
-        else:
-            self.ready(**self._figures)
+        self.report_problem(self._supervised.problem if self.active else INACTIVE, **self._figures)
 
     def _report(self, q: Array, q_dot: Array) -> None:
         q, q_dot, reporting = self._injection.feedback(q, q_dot)

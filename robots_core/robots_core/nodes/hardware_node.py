@@ -4,7 +4,6 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
@@ -60,7 +59,6 @@ class HardwareNode(RobotNode):
         self._drives: DriverDrives | None = None
         self._supervised: SupervisedDrives | None = None
         self._on, self._stop = True, DriverStop()
-        self._problem: str | None = None
         self._joint_states = JointStateReader(names)
         self._reader = ReferenceReader(names, 'joint_reference')
         self._power = PolledSubscription(self, Bool, 'drives_on')
@@ -119,7 +117,7 @@ class HardwareNode(RobotNode):
             self._on = power.data
         supervised, drives = self._supervised, self._drives
         if supervised is None or drives is None:
-            self._report(f'waiting for {self._driver.joint_states}')
+            self.report_problem(f'waiting for {self._driver.joint_states}', trajectory=self._to)
             return
         if self._stop.recover(now, braked=supervised.braked):
             self._publish_running()
@@ -132,7 +130,8 @@ class HardwareNode(RobotNode):
                     supervised.overtaken(now, *read)
         supervised.step(now, *reference, sender_period=self._reader.lead)
         self._send(drives.command)
-        self._report(self._stop.reason or self._unserved or supervised.problem)
+        problem = self._stop.reason or self._unserved or supervised.problem
+        self.report_problem(problem, trajectory=self._to)
 
     def _read(self, raw: bytes) -> tuple[Array, Array, float]:
         """Position and velocity (n,) of a reference, and its stamp, s."""
@@ -178,16 +177,6 @@ class HardwareNode(RobotNode):
         )
         # No stamp: it starts when it is received, whatever the clocks are.
         return BUILD.joint_trajectory(0, self._names, points)
-
-    def _report(self, problem: str) -> None:
-        if problem == self._problem:
-            return
-        self._problem = problem
-        if problem:
-            self.report_health(DiagnosticStatus.WARN, problem, trajectory=self._to)
-            self.journal.warning(problem)
-        else:
-            self.ready(trajectory=self._to)
 
 
 def _driver(path: str) -> Driver:

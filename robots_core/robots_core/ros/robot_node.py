@@ -68,6 +68,7 @@ class RobotNode(TimedNode):
         self._health = (DiagnosticStatus.STALE, 'starting')
         self._health_values: dict[str, object] = {}
         self._was_ready = False
+        self._problem: str | None = None  # not reported yet
         self._bad_streams: dict[str, float] = {}
         self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
         self._diagnostics = make_publisher(self, DiagnosticArray, '/diagnostics')
@@ -158,6 +159,17 @@ class RobotNode(TimedNode):
         self._health, self._health_values = (level, message), values
         if changed:
             self._publish_health()
+
+    def report_problem(self, problem: str, **values: Any) -> None:
+        """Report a problem, or with '' that all is well, if it is another one than before."""
+        if problem == self._problem:
+            return
+        self._problem = problem
+        if problem:
+            self.report_health(DiagnosticStatus.WARN, problem, **values)
+            self.journal.warning(problem)
+        else:
+            self.ready(**values)
 
     def update_health(self) -> None:
         """Called before health is published again: nodes whose health has values that change set it here."""
