@@ -39,7 +39,7 @@ class ManagedNode(RobotNode):
         if self.participant is not None:
             raise InvalidInputError('managed is not for lock-step, which counts all messages of a node')
         # Imported on demand: other nodes need none of its messages.
-        self._lifecycle = import_module('robots_core.ros.managed_states').ManagedStates(self, self)
+        self._lifecycle = import_module('robots_core.ros.managed_states').ManagedStates(self)
 
     @property
     def active(self) -> bool:

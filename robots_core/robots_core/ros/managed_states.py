@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState
@@ -12,28 +12,7 @@ from rclpy.lifecycle import TransitionCallbackReturn as Outcome
 from robots_core.errors import RobotsError
 
 if TYPE_CHECKING:
-    from robots_core.ros.robot_node import RobotNode
-
-
-class ManagedWork(Protocol):
-    """What a managed node does while it is active."""
-
-    def activate(self) -> None:
-        """Begin to work.
-
-        Raises:
-            RobotsError: it cannot; the node stays inactive.
-        """
-
-    def deactivate(self) -> None:
-        """End the work.
-
-        Raises:
-            NotNowError: the robot moves; the node stays active.
-        """
-
-    def give_up(self) -> None:
-        """End the work whatever the robot does: stop it, inside its limits."""
+    from robots_core.ros.managed_node import ManagedNode
 
 
 class ManagedStates(LifecycleNodeMixin):
@@ -44,13 +23,12 @@ class ManagedStates(LifecycleNodeMixin):
 
     Args:
         node: The node; it is given the services.
-        work: Its work.
     """
 
-    def __init__(self, node: RobotNode, work: ManagedWork) -> None:
+    def __init__(self, node: ManagedNode) -> None:
         self.active = False
         """The node may work."""
-        self._node, self._work = node, work
+        self._node = node
         self.handle, self.default_callback_group = node.handle, node.default_callback_group
         self._services: list[Any] = node._services  # noqa: SLF001  # as in rclpy's LifecycleNode
         super().__init__()
@@ -73,15 +51,15 @@ class ManagedStates(LifecycleNodeMixin):
 
     def on_activate(self, state: LifecycleState) -> Outcome:
         """Let the node begin its work."""
-        return self._begin_or_end('activate', self._work.activate, before=state, active=True)
+        return self._begin_or_end('activate', self._node.activate, before=state, active=True)
 
     def on_deactivate(self, state: LifecycleState) -> Outcome:
         """Let the node end its work."""
-        return self._begin_or_end('deactivate', self._work.deactivate, before=state, active=False)
+        return self._begin_or_end('deactivate', self._node.deactivate, before=state, active=False)
 
     def on_shutdown(self, state: LifecycleState) -> Outcome:
         """Stop the robot; nothing follows."""
-        return self._begin_or_end('shutdown', self._work.give_up, before=state, active=False)
+        return self._begin_or_end('shutdown', self._node.give_up, before=state, active=False)
 
     def _begin_or_end(
         self, name: str, work: Callable[[], None], *, before: LifecycleState, active: bool

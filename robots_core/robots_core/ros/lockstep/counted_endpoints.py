@@ -1,32 +1,21 @@
-"""Publishers, subscriptions, services and clients whose messages are counted."""
+"""Publishers, subscriptions, services and clients whose messages a participant counts."""
+
+from __future__ import annotations
 
 import inspect
 import threading
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+if TYPE_CHECKING:
+    from robots_core.ros.lockstep.participant import Participant
+
 DEPTH = 1000
 POLLED_DEPTH = 100
-
-
-class Counter(Protocol):
-    """What the endpoints of a participant need of it."""
-
-    def sent(self, index: int) -> None:
-        """A message was sent."""
-
-    def received(self, index: int) -> None:
-        """A message was handled."""
-
-    def enter(self) -> None:
-        """A callback begins: bring the time up to date, and hold reports back until it ends."""
-
-    def leave(self) -> None:
-        """The callback has ended: report."""
 
 
 class CountedPublisher(Publisher):
@@ -34,13 +23,13 @@ class CountedPublisher(Publisher):
 
     held: list[Any] | None
     """Messages that are held back."""
-    _counter: Counter
+    _participant: Participant
     _index: int
     _lock: threading.Lock
 
-    def count(self, counter: Counter, index: int) -> None:
+    def count(self, participant: Participant, index: int) -> None:
         """Count as endpoint `index` from now on."""
-        self._counter, self._index = counter, index
+        self._participant, self._index = participant, index
         self.held, self._lock = [], threading.Lock()
 
     def publish(self, msg: Any) -> None:
@@ -51,7 +40,7 @@ class CountedPublisher(Publisher):
                     self.held.append(msg)
                     return
         # Before it is sent: it must not be received by more than have been counted.
-        self._counter.sent(self._index)
+        self._participant.sent(self._index)
         super().publish(msg)
 
     def release(self) -> None:
@@ -59,7 +48,7 @@ class CountedPublisher(Publisher):
         with self._lock:
             held, self.held = self.held or [], None
             for message in held:
-                self._counter.sent(self._index)
+                self._participant.sent(self._index)
                 super().publish(message)
 
 
@@ -80,16 +69,18 @@ def is_latched(qos: QoSProfile) -> bool:
     return bool(qos.durability is DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def counted_callback(callback: Callable[..., Any], counter: Counter, index: int) -> Callable[..., None]:
+def counted_callback(
+    callback: Callable[..., Any], participant: Participant, index: int
+) -> Callable[..., None]:
     """The callback of a subscription, counted when it has returned."""
 
     def handle(*message: Any) -> None:
-        counter.enter()
+        participant.enter()
         try:
             callback(*message)
         finally:
-            counter.received(index)
-            counter.leave()
+            participant.received(index)
+            participant.leave()
 
     try:
         inspect.signature(callback).bind(object())
@@ -98,48 +89,38 @@ def counted_callback(callback: Callable[..., Any], counter: Counter, index: int)
     return lambda message: handle(message)  # noqa: PLW0108
 
 
-def count_service(service: Any, counter: Counter, index: int) -> None:
+def count_service(service: Any, participant: Participant, index: int) -> None:
     """Count the requests that a service has answered."""
     callback, send_response = service.callback, service.send_response
 
     def serve(request: Any, response: Any) -> Any:
-        counter.enter()
+        participant.enter()
         return callback(request, response)
 
     def send(response: Any, header: Any) -> None:
         try:
             send_response(response, header)
         finally:
-            counter.received(index)
-            counter.leave()
+            participant.received(index)
+            participant.leave()
 
     service.callback, service.send_response = serve, send
 
 
-def count_client(
-    client: Any, counter: Counter, index: int, after_callbacks: Callable[[Callable[[], None]], None]
-) -> None:
-    """Count the requests of a client as endpoint `index`, its replies as the next.
-
-    Args:
-        client: The client.
-        counter: Counts them.
-        index: Of the requests.
-        after_callbacks: Calls a function in the executor's thread, after those that already wait there: the
-            callbacks of a reply are among them.
-    """
+def count_client(client: Any, participant: Participant, index: int) -> None:
+    """Count the requests of a client as endpoint `index`, its replies as the next."""
     call_async = client.call_async
 
     def handled() -> None:
-        counter.received(index + 1)
-        counter.leave()
+        participant.received(index + 1)
+        participant.leave()
 
     def replied(_: Any) -> None:
-        counter.enter()
-        after_callbacks(handled)
+        participant.enter()
+        participant.after_callbacks(handled)
 
     def call(request: Any) -> Any:
-        counter.sent(index)
+        participant.sent(index)
         future = call_async(request)
         future.add_done_callback(replied)
         return future

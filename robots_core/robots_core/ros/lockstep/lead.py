@@ -90,8 +90,8 @@ class Lead:
             return False
         end = time.monotonic() + SHARE
         while True:
-            for reporter in self._outbox.take():
-                self._read(self._participants[reporter.name])
+            for participant in self._outbox.take():
+                self._read(participant)
             if self._busy or not self._traffic.quiet:
                 return False
             try:

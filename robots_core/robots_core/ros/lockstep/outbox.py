@@ -1,21 +1,15 @@
 """Outbox: the reports of the participants of one process, in their order."""
 
+from __future__ import annotations
+
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from robots_core.ros.lockstep.protocol import LED, encode_reports
 
-
-class Reporter(Protocol):
-    """A participant, as far as its reports go."""
-
-    @property
-    def name(self) -> str:
-        """Its node's name, with its namespace."""
-
-    def report(self) -> list[int]:
-        """What it has to report now."""
+if TYPE_CHECKING:
+    from robots_core.ros.lockstep.participant import Participant
 
 
 class Outbox:
@@ -31,16 +25,16 @@ class Outbox:
         self._publisher, self._wake = publisher, wake
         self._lock = threading.Lock()
         self._keeper: int | None = None  # identity of the executor's thread
-        self._kept: dict[Reporter, None] = {}
+        self._kept: dict[Participant, None] = {}
 
-    def send(self, reporter: Reporter) -> None:
+    def send(self, participant: Participant) -> None:
         """Send the report of a participant, or keep that it has one; from any thread."""
         with self._lock:
             keeper = self._keeper
             if keeper is None:
-                self._publish((reporter,))
+                self._publish((participant,))
                 return
-            self._kept[reporter] = None
+            self._kept[participant] = None
         if keeper != threading.get_ident():
             self._wake()
 
@@ -49,21 +43,21 @@ class Outbox:
         with self._lock:
             self._keeper = threading.get_ident()
 
-    def take(self) -> Iterable[Reporter]:
+    def take(self) -> Iterable[Participant]:
         """Those that have had something to report since the last call."""
         with self._lock:
             kept, self._kept = self._kept, {}
         return kept
 
-    def give_back(self, reporters: Iterable[Reporter], place: Sequence[int]) -> None:
+    def give_back(self, participants: Iterable[Participant], place: Sequence[int]) -> None:
         """Send reports from now on, and those of all, with the place of the run, at once."""
         with self._lock:
             self._keeper, self._kept = None, {}
-            self._publish(reporters, (LED, *place))
+            self._publish(participants, (LED, *place))
 
     def sign_of_life(self) -> None:
         """Send a message without reports."""
         self._publisher.publish(encode_reports(()))
 
-    def _publish(self, reporters: Iterable[Reporter], *before: Sequence[int]) -> None:
-        self._publisher.publish(encode_reports([*before, *(one.report() for one in reporters)]))
+    def _publish(self, participants: Iterable[Participant], *before: Sequence[int]) -> None:
+        self._publisher.publish(encode_reports([*before, *(one.report() for one in participants)]))

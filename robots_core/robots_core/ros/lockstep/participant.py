@@ -175,7 +175,7 @@ class Participant:
         client = Node.create_client(self.node, service_type, name, **options)
         index = self._add('requests', client.service_name, client)
         self._add('replies', client.service_name, client)
-        count_client(client, self, index, self._after_callbacks)
+        count_client(client, self, index)
         return client
 
     def destroyed(self, entity: Any) -> None:
@@ -241,7 +241,7 @@ class Participant:
             self._busy += change
         self._report_unless_inside()
 
-    # -- Counter: the executor's thread, but `sent` ------------------------------------------------------
+    # -- what counted endpoints call, in the executor's thread but for `sent` ------------------------
 
     def sent(self, index: int) -> None:
         """A message is being sent."""
@@ -255,7 +255,7 @@ class Participant:
             self._counts.received(index)
 
     def enter(self) -> None:
-        """A callback begins."""
+        """A callback begins: the time is brought up to date, and reports wait until it ends."""
         self._update()
         self._inside += 1
 
@@ -344,7 +344,8 @@ class Participant:
         while self._replies:
             self._replies.pop(0)()
 
-    def _after_callbacks(self, function: Callable[[], None]) -> None:
+    def after_callbacks(self, function: Callable[[], None]) -> None:
+        """Call a function in the executor's thread, after those that wait there: callbacks of replies do."""
         self._replies.append(function)
         self._after_replies.trigger()
 
