@@ -11,7 +11,6 @@ from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
@@ -147,7 +146,7 @@ class ControllerNode(ManagedNode):
             self, self._control, self._change_caps, intake.lose_commander, watched=watchdog > 0.0
         )
         self._listen_to_speed()
-        self.add_post_set_parameters_callback(self._on_parameters)
+        self.on_change('tool_speed_limit', lambda _: self._change_caps())
         changed = {
             'lua_program_node': self._commanders.program_changed,
             'planning_node': intake.planner_changed,
@@ -318,10 +317,6 @@ class ControllerNode(ManagedNode):
     def mode(self) -> OperatingMode:
         """See `RobotNode`."""
         return self._controller.speed.authority.mode
-
-    def _on_parameters(self, parameters: list[Parameter]) -> None:
-        if any(parameter.name == 'tool_speed_limit' for parameter in parameters):
-            self._change_caps()
 
     def _change_caps(self) -> None:
         limit = self.get_parameter('tool_speed_limit').value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict
 from functools import partial
 from importlib import import_module
@@ -127,14 +127,9 @@ class LuaProgramNode(RobotNode):
         self.parameter('frames_file', '', "where tools and bases stand; '' for frames.yaml beside it")
         self.host.unopened = self._files
         self._take_over()
-        self.parameter(
-            'breakpoints',
-            [''],
-            "lines to hold at, as 'file.lua:12'; '' is none",
-            read=breakpoints_by_file,
-        )
-        self.add_post_set_parameters_callback(lambda _: self._set_breakpoints())
-        self._set_breakpoints()
+        text = "lines to hold at, as 'file.lua:12'; '' is none"
+        self._set_breakpoints(self.parameter('breakpoints', [''], text, read=breakpoints_by_file))
+        self.on_change('breakpoints', self._set_breakpoints)
         self.parameter(
             'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
@@ -253,8 +248,7 @@ class LuaProgramNode(RobotNode):
         self.journal.info(f'editors debug programs below {folder} at port {server.port}{secret}')
         return server
 
-    def _set_breakpoints(self) -> None:
-        lines = breakpoints_by_file(self.get_parameter('breakpoints').value)
+    def _set_breakpoints(self, lines: Mapping[str, Collection[int]]) -> None:
         for file in self._program.debugger.breakpoints.keys() | lines.keys():
             self._program.debugger.set_breakpoints(file, lines.get(file, ()))
 

@@ -4,7 +4,6 @@ from functools import partial
 from typing import Any, Final
 
 from geometry_msgs.msg import PoseStamped
-from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
@@ -44,7 +43,7 @@ class DirectKinematicsNode(RobotNode):
         self._content = b''  # of the last joint_states, behind the stamp
         self._pose = b''  # serialized
         self.poll(JointState, 'joint_states', self._publish, rate=rate, raw=True)
-        self.add_post_set_parameters_callback(self._use_parameters)
+        self.on_change('tool', self._use_tool)
         self.ready()
 
     def _publish(self, raw: bytes) -> None:
@@ -61,11 +60,9 @@ class DirectKinematicsNode(RobotNode):
         self._publisher.publish(self._pose)
         self.ready()
 
-    def _use_parameters(self, parameters: list[Parameter]) -> None:
-        for parameter in parameters:
-            if parameter.name == 'tool':
-                self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(parameter.value))
-                self._content = b''
+    def _use_tool(self, tool: Pose) -> None:
+        self._kinematics = DirectKinematics(self.robot, tool=tool)
+        self._content = b''
 
 
 def pose_from_parameter(values: Any) -> Pose:

@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
@@ -18,7 +17,7 @@ from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.multibody.payload import Payload, payload_of
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
@@ -92,7 +91,9 @@ class DynamicsNode(RobotNode):
         kind = JointState if self._source == 'joint_states' else JointTrajectory
         self._motions = PolledSubscription(self, kind, self._source)
         self.create_timer(1.0 / rate, self._publish)
-        self.add_post_set_parameters_callback(self._use_parameters)
+        self.on_change('filter_time', partial(setattr, self, '_filter_time'))
+        self.on_change('payload', self._load)
+        self.on_change('base_orientation', lambda turn: self._move_base(BaseMotion(turn)))
         self.ready()
 
     def _load(self, payload: Payload) -> None:
@@ -165,15 +166,6 @@ class DynamicsNode(RobotNode):
             self.report_health(DiagnosticStatus.WARN, text, **values)
         else:
             self.ready(**values)
-
-    def _use_parameters(self, parameters: list[Parameter]) -> None:
-        for parameter in parameters:
-            if parameter.name == 'filter_time':
-                self._filter_time = parameter.value
-            elif parameter.name == 'payload':
-                self._load(payload_of(parameter.value))
-            elif parameter.name == 'base_orientation':
-                self._move_base(BaseMotion(_orientation(parameter.value)))
 
 
 def _orientation(quaternion: Any) -> Array:

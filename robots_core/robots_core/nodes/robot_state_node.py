@@ -6,13 +6,13 @@ from importlib import import_module
 from typing import Any, Final
 
 from builtin_interfaces.msg import Time
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core.blocks.link_frames import FramePose, LinkFrames
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.nodes.transforms import transform_message
+from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
@@ -36,17 +36,12 @@ class RobotStateNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('robot_state_node', **options)
         rate = self.parameter('rate', 50.0, 'highest rate of /tf, Hz', bounds=(0.1, MAX_RATE))
-        placed = {
-            name: self.parameter(
-                name,
-                NO_TOOL,
-                f'frame {name} in {parent}: x y z (m), quaternion x y z w',
-                read=pose_from_parameter,
-            )
-            for name, parent in FRAMES.items()
-        }
+        self._placed: dict[str, FramePose] = {}
+        for name, parent in FRAMES.items():
+            text = f'frame {name} in {parent}: x y z (m), quaternion x y z w'
+            pose = self.parameter(name, NO_TOOL, text, read=pose_from_parameter)
+            self._placed[name] = FramePose(parent, name, pose)
         self._frames = LinkFrames(self.robot.description)
-        self._placed = {name: FramePose(FRAMES[name], name, pose) for name, pose in placed.items()}
         namespace = self.get_namespace().strip('/')
         self._prefix = f'{namespace}/' if namespace else ''
         self._description = make_publisher(self, String, 'robot_description')
@@ -61,7 +56,8 @@ class RobotStateNode(RobotNode):
         self._tf = make_publisher(self, self._message, '/tf')
         self._static = make_publisher(self, self._message, '/tf_static')
         self._publish_static()
-        self.add_post_set_parameters_callback(self._use_parameters)
+        for name in FRAMES:
+            self.on_change(name, partial(self._place, name))
         self.poll(JointState, 'joint_states', self._publish, rate=rate)
         self.ready()
 
@@ -80,12 +76,9 @@ class RobotStateNode(RobotNode):
     def _transforms(self, stamp: Time, frames: Iterable[FramePose]) -> Any:
         return self._message(transforms=[transform_message(stamp, frame, self._prefix) for frame in frames])
 
-    def _use_parameters(self, parameters: list[Parameter]) -> None:
-        changed = {one.name: one.value for one in parameters if one.name in FRAMES}
-        for name, value in changed.items():
-            self._placed[name] = FramePose(FRAMES[name], name, pose_from_parameter(value))
-        if changed:
-            self._publish_static()
+    def _place(self, name: str, pose: Pose) -> None:
+        self._placed[name] = FramePose(FRAMES[name], name, pose)
+        self._publish_static()
 
 
 main: Final = partial(run, RobotStateNode)

@@ -60,7 +60,9 @@ class RobotNode(TimedNode):
         super().__init__(name, **options)
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._kind = name
+        self._uses: dict[str, Callable[[Any], object]] = {}
         self.add_on_set_parameters_callback(self._check_parameters)
+        self.add_post_set_parameters_callback(self._use_parameters)
         self.robot_name: str = self.parameter(
             'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf"
         )
@@ -117,6 +119,14 @@ class RobotNode(TimedNode):
         if read is not None:
             self._checks[name] = read
         return meaning
+
+    def on_change(self, name: str, use: Callable[[Any], object]) -> None:
+        """Call back with what a new value of a parameter means, once it holds."""
+        self._uses[name] = use
+
+    def _use_parameters(self, parameters: list[Parameter]) -> None:
+        for name, value in ((one.name, one.value) for one in parameters if one.name in self._uses):
+            self._uses[name](self._checks[name](value) if name in self._checks else value)
 
     @property
     def moving(self) -> bool:

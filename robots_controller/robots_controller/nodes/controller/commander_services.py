@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import partial
 
-from rclpy.parameter import Parameter
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
@@ -71,7 +70,7 @@ class CommanderServices:
             node.serve(f'commander/{name}', partial(self._take, commander), SetBool)
             node.serve(f'take_over/{name}', partial(self._take_over, commander))
         subscribe(node, Bool, 'hold_to_run', self._on_hold)
-        node.add_post_set_parameters_callback(self._on_parameters)
+        node.on_change('operating_mode', self._set_mode)
         timeout = PENDANT_LOST_AFTER if watched else 0.0
         self._watch = HeartbeatWatch(node, ('pendant_node',), timeout, self._on_pendant)
         self._publish()
@@ -116,12 +115,10 @@ class CommanderServices:
         self._authority.hold(self._node.now(), held=message.data)
         self._control.wake()
 
-    def _on_parameters(self, parameters: list[Parameter]) -> None:
-        for parameter in parameters:
-            if parameter.name == 'operating_mode':
-                self._authority.set_mode(OperatingMode(parameter.value))
-                self._publish()
-                self._on_mode()
+    def _set_mode(self, mode: OperatingMode) -> None:
+        self._authority.set_mode(mode)
+        self._publish()
+        self._on_mode()
 
     def _publish(self) -> None:
         self._commander_publisher.publish(String(data=self._authority.commander.value))
