@@ -34,12 +34,12 @@ class OpcuaNode(RobotNode):
         )
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be loaded')
         self.state = PendantState()
-        self._server: Any = None
         if port == 0:
             self.ready('ready; parameter port is 0, there is no server')
             return
         settings = read_server_settings(access) if access else ServerSettings()
         self._server = self._serve(settings, host, port, Path(folder).resolve())
+        self.closing.callback(self._server.close)
         CellReader(self, self)
         self.create_timer(1.0 / RATE, lambda: self._server.update(self.state))
         self.journal.info(f'the robot is an OPC UA server at {self._server.url}')
@@ -61,12 +61,6 @@ class OpcuaNode(RobotNode):
             tcp_port=port,
             log=self.journal.warning,
         )
-
-    def destroy_node(self) -> None:
-        """End the server with the node."""
-        if self._server is not None:
-            self._server.close()
-        super().destroy_node()
 
 
 main: Final = partial(run, OpcuaNode)

@@ -84,7 +84,9 @@ class PendantNode(RobotNode):
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
         subscribe(self, Log, '/rosout', self._on_log)
+        self.closing.callback(self.operator.recording.end)
         self._server = self._serve(port, Path(folder).resolve(), access, connection_timeout)
+        self.closing.callback(self._server.close)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
 
@@ -149,14 +151,6 @@ class PendantNode(RobotNode):
         if message.level >= Log.INFO:
             place = self.operator.state.program.place(of_motion=name in MOVERS)
             self.operator.messages.add(seconds(message.stamp), level, name, message.msg, place)
-
-    def destroy_node(self) -> None:
-        """End the page and what it records with the node."""
-        self._server.close()
-        try:
-            self.operator.recording.end()
-        finally:
-            super().destroy_node()
 
 
 main: Final = partial(run, PendantNode)

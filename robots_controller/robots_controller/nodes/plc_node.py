@@ -59,6 +59,8 @@ class PlcNode(RobotNode):
         self._servers: list[PlcServer] = [
             make(script.channels, port, self._receive) for make, port in servers.items() if port
         ]
+        for server in self._servers:
+            self.closing.callback(server.close)
         if self._servers and self.simulated_time:
             raise InvalidInputError(
                 'a PLC in simulated time is no server and at no broker: clients have another time'
@@ -138,12 +140,6 @@ class PlcNode(RobotNode):
             pending=pending_as_text(pending, start),
         )
         self._status.publish(status)
-
-    def destroy_node(self) -> None:
-        """End the servers with the node."""
-        for server in self._servers:
-            server.close()
-        super().destroy_node()
 
 
 main: Final = partial(run, PlcNode)

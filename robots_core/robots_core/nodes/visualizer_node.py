@@ -38,6 +38,7 @@ class VisualizerNode(RobotNode):
         port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose', bounds=PORTS)
         rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
+        self.closing.callback(self._visualizer.close)
         self._scene = WatchedScene(self, self._visualizer.show_scene)
         subscribe(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
@@ -60,11 +61,6 @@ class VisualizerNode(RobotNode):
         names = self.robot.axes_data.names
         q = joint_values(message.name, message.position, names, 'ghost') if message.position else None
         self._visualizer.show_ghost(q)
-
-    def destroy_node(self) -> None:
-        """End the page with the node."""
-        self._visualizer.close()
-        super().destroy_node()
 
 
 main: Final = partial(run, VisualizerNode)

@@ -40,6 +40,7 @@ class ManagedNode(RobotNode):
             raise InvalidInputError('managed is not for lock-step, which counts all messages of a node')
         # Imported on demand: other nodes need none of its messages.
         self._lifecycle = import_module('robots_core.ros.managed_states').ManagedStates(self)
+        self.closing.callback(self._lifecycle.close)
 
     @property
     def active(self) -> bool:
@@ -65,9 +66,3 @@ class ManagedNode(RobotNode):
 
     def give_up(self) -> None:
         """End the work whatever the robot does: stop it, inside its limits."""
-
-    def destroy_node(self) -> None:
-        """End the states with the node."""
-        if self._lifecycle is not None:
-            self._lifecycle.close()
-        super().destroy_node()

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, ClassVar, Final
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -74,6 +75,10 @@ class TimedNode(Node):
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
         self._running: list[Loop] = []
+        self.closing = ExitStack()
+        """What the node has opened: `destroy_node` closes it, the last first, before the node itself."""
+        self.closing.callback(super().destroy_node)
+        self.closing.callback(self._stop_loops)
         self._silence: Callable[[], float] = lambda: 0.0
         if follows_clock:
             self._clock_advanced = self.create_guard_condition(self._run_loops)
@@ -182,11 +187,13 @@ class TimedNode(Node):
             if isinstance(loop, ScheduledLoop):
                 loop.run(now)
 
-    def destroy_node(self) -> None:
-        """End the loops before what they use."""
+    def _stop_loops(self) -> None:
         for loop in self._running:
             loop.stop()
-        super().destroy_node()  # type: ignore[no-untyped-call]
+
+    def destroy_node(self) -> None:
+        """End the node, its loops before what they use."""
+        self.closing.close()
 
     # -- what a participant counts -------------------------------------------------------------------
 
