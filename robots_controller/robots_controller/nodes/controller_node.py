@@ -34,6 +34,7 @@ from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
     BUILD,
@@ -45,12 +46,10 @@ from robots_core.ros.messages import (
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
-from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
-from robots_core.ros.streams.resting_rate_parameter import resting_rate_parameter
 from robots_core.status import Status
 from robots_core.validation import Array, fraction
 from robots_core.wording.safety_note import NOT_CERTIFIED
@@ -75,12 +74,7 @@ class ControllerNode(ManagedNode):
         super().__init__('controller_node', **options)
         settings = settings_by_parameters(self)
         rate = 1.0 / settings.period
-        priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            bounds=PRIORITIES,
-        )
+        priority = realtime_priority_parameter(self)
         latency = self.parameter(
             'idle_latency',
             idle_latency_for(rate),

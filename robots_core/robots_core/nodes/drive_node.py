@@ -23,16 +23,15 @@ from robots_core.nodes.drive_rest import DriveRest
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.peers.heartbeat import watchdog_parameter
-from robots_core.ros.robot_node import PRIORITIES
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.arrivals import Arrivals
 from robots_core.ros.streams.joint_state_stream import JointStateStream
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_reader import ReferenceReader
-from robots_core.ros.streams.resting_rate_parameter import resting_rate_parameter
 from robots_core.ros.timed_node import SELDOM
 from robots_core.validation import Array
 
@@ -60,12 +59,7 @@ class DriveNode(ManagedNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
         rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0))
-        priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            bounds=PRIORITIES,
-        )
+        priority = realtime_priority_parameter(self)
         self._resting = resting_rate_parameter(self, 'joint_states', rate)
         level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(

@@ -16,10 +16,11 @@ from robots_core.message_builder import NONE
 from robots_core.nodes.driver_action import DriverAction
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop_parameters import realtime_priority_parameter
 from robots_core.ros.messages import BUILD, NANOSECONDS
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
-from robots_core.ros.robot_node import PRIORITIES, RobotNode
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -42,12 +43,7 @@ class HardwareNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('hardware_node', **options)
         rate = self.parameter('rate', 250.0, 'trajectories per second, Hz', bounds=(10.0, 1000.0))
-        priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            bounds=PRIORITIES,
-        )
+        priority = realtime_priority_parameter(self)
         self._driver: Driver = self.parameter(
             'driver', '', "topics of the robot's driver (YAML)", read=_driver
         )

@@ -25,10 +25,11 @@ from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_paramete
 from robots_core.nodes.payload_parameter import carry_payload
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop_parameters import realtime_priority_parameter
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
-from robots_core.ros.robot_node import PRIORITIES, RobotNode
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.reference_stream import ReferenceStream
@@ -72,12 +73,7 @@ class InverseKinematicsNode(RobotNode):
             "largest distance of the controller's reference to the one sent, rad",
             bounds=(1e-4, 3.0),
         )
-        priority = self.parameter(
-            'realtime_priority',
-            40,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            bounds=PRIORITIES,
-        )
+        priority = realtime_priority_parameter(self, 40)
         self._method, self._dt = method, 1.0 / rate
         self._timeout = timeout
         movement = RealtimeMovement(

@@ -35,8 +35,6 @@ START_PERIOD: Final = 0.1  # s
 STARTING: Final = 3.0  # s
 REPEAT_PERIOD = 5.0  # s
 STRANGER_SHOWN = 2.0  # s
-PRIORITIES: Final = (0, 99)
-"""Of loops; 0 for none."""
 PORTS: Final = (0, 65535)
 """Of this machine; 0 leaves the choice to the system, or stands for none."""
 

@@ -1,7 +1,18 @@
-"""The parameter `resting_rate` of nodes that send what has not changed for a while seldom."""
+"""Parameters of nodes that work in a loop of their own."""
+
+from typing import Final
 
 from robots_core.periodic.resting_rate import LOWEST, RESTED, RESTING_RATE, RestingRate
 from robots_core.ros.robot_node import RobotNode
+
+PRIORITIES: Final = (0, 99)  # 0 for none
+
+
+def realtime_priority_parameter(node: RobotNode, default: int = 50) -> int:
+    """Declare `realtime_priority` of a node's loop and return its value."""
+    text = 'FIFO priority of the loop where the system permits it; 0: none'
+    priority: int = node.parameter('realtime_priority', default, text, bounds=PRIORITIES)
+    return priority
 
 
 def resting_rate_parameter(node: RobotNode, topic: str, rate: float) -> RestingRate:
