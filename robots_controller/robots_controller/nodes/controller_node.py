@@ -6,6 +6,7 @@ import gc
 import math
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any, Final
@@ -14,7 +15,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
-from robots_controller.control.control_loop import CANCELED, ControllerRequest, ControlLoop
+from robots_controller.control.control_loop import CANCELED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
@@ -146,13 +147,6 @@ class ControllerNode(ManagedNode):
             'planning_node': intake.planner_changed,
         }
         self.watch = WatchedNodes(self, self._control, watchdog, self._zones.inputs, changed).heartbeats
-        answers: dict[ControllerRequest, str] = {
-            'pause': 'stopping on the path',
-            'resume': 'moving on',
-            'cancel': 'stopping on the path, the motion is given up',
-        }
-        for request, answer in answers.items():
-            self.serve(request, partial(self._request, request, answer))
         self._offer_stops()
         self._take_over()
         if not self.active:
@@ -192,10 +186,22 @@ class ControllerNode(ManagedNode):
     def _offer_stops(self) -> None:
         self._stopped_by = ''  # the reason that was logged
         self._reporting_stop = threading.Lock()
-        self.serve('stop', self._stop)
-        self.serve('stop_before_collision', self._stop_before_collision)
-        self.serve('emergency_stop', self._stop_at_once)
-        self.serve('reset', self._reset)
+        control = self._control
+        emergency_stop = partial(control.trip, Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
+        requests: dict[str, tuple[Callable[[], object], str]] = {
+            'pause': (partial(control.request, 'pause'), 'stopping on the path'),
+            'resume': (partial(control.request, 'resume'), 'moving on'),
+            'cancel': (self._cancel, 'stopping on the path, the motion is given up'),
+            'stop': (partial(control.stop, 'stop by ~/stop'), 'stopping on the path, until ~/reset'),
+            'stop_before_collision': (
+                control.stop_before_collision,
+                'stopping on the path before an obstacle',
+            ),
+            'emergency_stop': (emergency_stop, 'stopping, then switching the drives off, until ~/reset'),
+            'reset': (control.reset, 'the robot may move again'),
+        }
+        for name, (request, answer) in requests.items():
+            self.serve(name, partial(_answer, request, answer))
         subscribe(self, Bool, 'emergency_stop', self._on_emergency_stop)
         subscribe(self, Bool, 'robot_running', self._on_robot_running)
         subscribe(self, DiagnosticStatus, 'contact_status', self._on_contact)
@@ -341,23 +347,9 @@ class ControllerNode(ManagedNode):
         """See `ManagedNode`."""
         self._control.watch(Fault.DEACTIVATED, f'{self.get_name()} is not active')
 
-    def _stop(self) -> str:
-        self._control.stop('stop by ~/stop')
-        return 'stopping on the path, until ~/reset'
-
-    def _stop_at_once(self) -> str:
-        self._control.trip(Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
-        return 'stopping, then switching the drives off, until ~/reset'
-
-    def _reset(self) -> str:
-        self._control.reset()
-        return 'the robot may move again'
-
-    def _request(self, request: ControllerRequest, answer: str) -> str:
-        self._control.request(request)
-        if request == 'cancel':
-            self._report_cancellation(CANCELED)
-        return answer
+    def _cancel(self) -> None:
+        self._control.request('cancel')
+        self._report_cancellation(CANCELED)
 
     def _report_cancellation(self, reason: str) -> None:
         """Publish a cancellation: motions that are still being planned are given up too."""
@@ -366,10 +358,6 @@ class ControllerNode(ManagedNode):
         with self._reporting_stop:  # never after a stop that came meanwhile: its loop has another thread
             if not self._controller.stops.latched:
                 self._publish_stop(replace(status, values={**status.values, 'until': f'{until:.9f}'}))
-
-    def _stop_before_collision(self) -> str:
-        self._control.stop_before_collision()
-        return 'stopping on the path before an obstacle'
 
     def update_health(self) -> None:
         """Report it, with the loop's figures."""
@@ -385,6 +373,11 @@ class ControllerNode(ManagedNode):
             realtime=self._loop.realtime,
             idle_latency_kept=self._loop.idle_latency_kept,
         )
+
+
+def _answer(request: Callable[[], object], answer: str) -> str:
+    request()
+    return answer
 
 
 main: Final = partial(run, ControllerNode)
