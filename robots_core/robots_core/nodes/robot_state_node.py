@@ -6,12 +6,12 @@ from importlib import import_module
 from typing import Any, Final
 
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core.blocks.link_frames import FramePose, LinkFrames
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
-from robots_core.nodes.transforms import transform_message
 from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher
@@ -74,7 +74,16 @@ class RobotStateNode(RobotNode):
         self._static.publish(self._transforms(stamp, (*self._frames.fixed, *self._placed.values())))
 
     def _transforms(self, stamp: Time, frames: Iterable[FramePose]) -> Any:
-        return self._message(transforms=[transform_message(stamp, frame, self._prefix) for frame in frames])
+        return self._message(transforms=[self._transform(stamp, frame) for frame in frames])
+
+    def _transform(self, stamp: Time, frame: FramePose) -> TransformStamped:
+        """A frame seen from its parent; the prefix of both names lets two robots share /tf."""
+        message = TransformStamped(child_frame_id=self._prefix + frame.child)
+        message.header.stamp, message.header.frame_id = stamp, self._prefix + frame.parent
+        translation, rotation = message.transform.translation, message.transform.rotation
+        translation.x, translation.y, translation.z = map(float, frame.pose.r)
+        rotation.x, rotation.y, rotation.z, rotation.w = map(float, frame.pose.quaternion())
+        return message
 
     def _place(self, name: str, pose: Pose) -> None:
         self._placed[name] = FramePose(FRAMES[name], name, pose)

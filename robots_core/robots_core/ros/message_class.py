@@ -1,4 +1,4 @@
-"""The class of a message type, by its name."""
+"""Classes of messages and actions, by their names."""
 
 from functools import cache
 from importlib import import_module
@@ -26,3 +26,11 @@ def message_class(type_name: str) -> Any:
     if found is None:
         raise InvalidInputError(f'{type_name}: {package!r} has no message {name!r}')
     return found
+
+
+def action_type(name: str) -> Any:
+    """An action of control_msgs; None where that is not installed, or has no such action."""
+    try:
+        return getattr(import_module('control_msgs.action'), name, None)
+    except ImportError:
+        return None

@@ -11,11 +11,11 @@ from sensor_msgs.msg import JointState
 
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.lockstep.timed_work import Loop
 from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.running.loop import Loop
 from robots_core.ros.streams.reference_stream import ReferenceStream
 from robots_core.validation import Array
 from robots_planning.guidance.jogging import Jogging

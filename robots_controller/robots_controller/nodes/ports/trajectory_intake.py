@@ -8,10 +8,11 @@ from typing import Any, Final
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.nodes.ports.stream_messages import stream_point_from_message
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, NotNowError, RobotsError
-from robots_core.ros.messages import id_stamp, nanoseconds
+from robots_core.ros.joint_trajectories import single_point
+from robots_core.ros.messages import NANOSECONDS, id_stamp, nanoseconds
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.publisher_names import Sender
 from robots_core.ros.qos import subscribe
@@ -117,7 +118,11 @@ class TrajectoryIntake:
         self._control.follow(trajectory, message.id, join_time=join)
 
     def _stream(self, message: JointTrajectory, id_: str) -> None:
-        node = self._node
-        ros_time, now = node.get_clock().now().nanoseconds, node.now()
-        point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
+        """Take a point that is due `time_from_start` after its stamp, or from now, as in ros2_control."""
+        position, velocity, acceleration = single_point(message, self._names, 'joint_trajectory')
+        ahead = nanoseconds(message.points[0].time_from_start)
+        if sent := nanoseconds(message.header.stamp):
+            ahead += sent - self._node.get_clock().now().nanoseconds
+        due = (round(self._node.now() * NANOSECONDS) + ahead) / NANOSECONDS
+        point = StreamPoint(position, velocity, acceleration, due)
         self._control.stream(point, id_)

@@ -7,13 +7,14 @@ from typing import Any, Final, Protocol
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError
+from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.lockstep.profiles import ALL, LATCHED_BY_MANY
 from robots_core.ros.lockstep.protocol import (
     GO,
     HOLD,
@@ -37,6 +38,7 @@ from robots_core.ros.qos import STATE, STREAM
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
 PATIENCE: Final = 30.0  # s of the wall clock
 WATCH_PERIOD: Final = 0.1  # s of the wall clock
+LATCHED_BY_MANY: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Recorder(Protocol):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rclpy.callback_groups import CallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
 DEPTH = 1000
 POLLED_DEPTH = 100
+ALL: Final = QoSProfile(depth=DEPTH)
+# Every kind of event is one more thing to wait for; by default each endpoint warns of incompatible qualities.
+NO_PUBLISHER_EVENTS: Final = PublisherEventCallbacks(use_default_callbacks=False)
+NO_SUBSCRIPTION_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 class CountedPublisher(Publisher):

@@ -15,7 +15,10 @@ from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.counted_endpoints import (
+    ALL,
     DEPTH,
+    NO_PUBLISHER_EVENTS,
+    NO_SUBSCRIPTION_EVENTS,
     POLLED_DEPTH,
     CountedPublisher,
     NeverExecuted,
@@ -30,7 +33,6 @@ from robots_core.ros.lockstep.lead import Lead
 from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, START, Phase
-from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 from robots_core.ros.lockstep.protocol import (
     GO,
     HOLD,

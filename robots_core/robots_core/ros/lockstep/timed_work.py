@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS, PeriodicSchedule
+from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 
 
@@ -38,6 +39,10 @@ class ScheduledLoop:
         for time in self._schedule.due(now):
             if self.alive:
                 self._work(time / NANOSECONDS)
+
+
+Loop = PeriodicThread | ScheduledLoop
+"""A node's loop: called periodically until it is stopped, on the wall clock or in simulated time."""
 
 
 class LockstepLoop(ScheduledLoop):
