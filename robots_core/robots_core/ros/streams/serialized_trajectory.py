@@ -99,13 +99,12 @@ def serialize_points(
     empty = serialize_message(message)
     _, start = _head(empty)
     n, m = len(names), len(times)
-    layout, stride = _layout(n)
-    first = _first_position(start)
-    raw = bytearray(first + m * stride)
+    layout, first = _layout(n), _first_position(start)
+    raw = bytearray(first + m * layout.itemsize)
     raw[:start] = empty[:start]
     COUNT.pack_into(raw, start, m)
     COUNT.pack_into(raw, start + COUNT.size, n)
-    records: NDArray[Any] = np.ndarray((m,), layout, raw, first, (stride,))
+    records: NDArray[Any] = np.ndarray((m,), layout, raw, first)
     records['num_velocities'] = records['num_accelerations'] = records['next'] = n
     records['sec'], records['nanosec'] = np.divmod(times, NANOSECONDS)
     for field, values in zip(FIELDS, rows, strict=True):
@@ -145,35 +144,30 @@ def _first_position(start: int) -> int:
     return at + (ENCAPSULATION_SIZE - at) % 8
 
 
-def _layout(n: int) -> tuple[np.dtype[Any], int]:
-    """Of a point from its positions to the next point's number of positions, and its size in bytes.
+def _layout(n: int) -> np.dtype[Any]:
+    """Of a point from its positions to the next point's number of positions, aligned as in a struct of C.
 
     Both ends are at a multiple of 8, behind the encapsulation; so are all arrays in between.
     """
-    row = 8 * n
-    fields: list[tuple[str, Any, int]] = [
-        ('positions', ('<f8', (n,)), 0),
-        ('num_velocities', '<u4', row),
-        ('velocities', ('<f8', (n,)), row + 8),
-        ('num_accelerations', '<u4', 2 * row + 8),
-        ('accelerations', ('<f8', (n,)), 2 * row + 16),
-        ('num_effort', '<u4', 3 * row + 16),
-        ('sec', '<i4', 3 * row + 20),
-        ('nanosec', '<u4', 3 * row + 24),
-        ('next', '<u4', 3 * row + 28),
+    fields = [
+        ('positions', '<f8', (n,)),
+        ('num_velocities', '<u4'),
+        ('velocities', '<f8', (n,)),
+        ('num_accelerations', '<u4'),
+        ('accelerations', '<f8', (n,)),
+        ('num_effort', '<u4'),
+        ('sec', '<i4'),
+        ('nanosec', '<u4'),
+        ('next', '<u4'),
     ]
-    names, formats, offsets = zip(*fields, strict=True)
-    size = 3 * row + 32
-    return np.dtype(
-        {'names': list(names), 'formats': list(formats), 'offsets': list(offsets), 'itemsize': size}
-    ), size
+    return np.dtype(fields, align=True)
 
 
 def _records(raw: bytes, start: int, m: int, n: int) -> NDArray[Any] | None:
     """The points, None if they are none of this layout."""
-    layout, stride = _layout(n)
+    layout = _layout(n)
     first, end = _first_position(start), start + COUNT.size
-    size = first + m * stride - COUNT.size  # the last point has no next one
+    size = first + m * layout.itemsize - COUNT.size  # the last point has no next one
     if not start or m < 1 or n < 1 or len(raw) < size or COUNT.unpack_from(raw, end) != (n,):
         return None
     padded = raw[first:size] + COUNT.pack(n)
