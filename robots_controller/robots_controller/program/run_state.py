@@ -1,9 +1,9 @@
 """RunState: what a robot program does, and what ends it."""
 
-from enum import StrEnum
+from robots_core.wording.named_choice import NamedChoice
 
 
-class RunState(StrEnum):
+class RunState(NamedChoice):
     """What the program does."""
 
     IDLE = 'IDLE'  # none is open

@@ -24,14 +24,13 @@ from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.nodes.ports.io_images import image_message
 from robots_controller.nodes.ports.plc_status import pending_from_text
-from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc, ShownProgram
+from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
-from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.ros.messages import (
     diagnostic_values,
@@ -97,37 +96,37 @@ class CellReader:
         self._observer.state = replace(self._observer.state, **changes)
 
     def _subscribe(self) -> None:
-        def text(topic: str, read: Callable[[str], Any]) -> None:
-            subscribe(self._node, String, topic, lambda message: self.show(**{topic: read(message.data)}))
-
-        def flag(topic: str) -> None:
-            subscribe(self._node, Bool, topic, lambda message: self.show(**{topic: message.data}))
-
-        text('commander', Commander)
-        text('guide', Guide)
-        subscribe(
-            self._node, String, 'operating_mode', lambda message: self.show(mode=OperatingMode(message.data))
+        shown: tuple[tuple[str, Any, str, Callable[[Any], object]], ...] = (
+            ('commander', String, 'commander', Commander),
+            ('guide', String, 'guide', Guide),
+            ('operating_mode', String, 'mode', OperatingMode),
+            ('run_enabled', Bool, 'run_enabled', bool),
+            ('drives_on', Bool, 'drives_on', bool),
+            ('override', Float64, 'override', lambda value: fraction(value, 'override')),
+            ('min_distance', Float64, 'distance', float),
         )
-        flag('run_enabled')
-        flag('drives_on')
-        subscribe(self._node, Float64, 'override', self._on_override)
-        subscribe(self._node, Float64, 'min_distance', lambda message: self.show(distance=message.data))
-        subscribe(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
-        subscribe(self._node, DiagnosticStatus, 'program_status', self._on_program)
-        subscribe(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)
-        subscribe(self._node, DiagnosticStatus, 'plc_status', self._on_plc)
+        for topic, kind, name, read in shown:
+            subscribe(self._node, kind, topic, partial(self._show_value, name, read))
+        statuses = {
+            'stop_status': self._on_stop,
+            'program_status': self._on_program,
+            'forced_inputs': self._on_forced,
+            'plc_status': self._on_plc,
+            'motion_settings': self._on_settings,
+        }
+        for topic, take in statuses.items():
+            subscribe(self._node, DiagnosticStatus, topic, take)
         for image in IMAGES:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
             subscribe(self._node, image_message(image), topic, partial(self._on_image, image))
         self._node.poll(JointState, 'joint_states', self._on_joints, rate=RATE)
         subscribe(self._node, DiagnosticArray, '/diagnostics', self._on_health)
-        subscribe(self._node, DiagnosticStatus, 'motion_settings', self._on_settings)
         subscribe(self._node, ParameterEvent, '/parameter_events', self._on_parameters)
 
     # -- what the nodes report ----------------------------------------------------------------------------
 
-    def _on_override(self, message: Float64) -> None:
-        self.show(override=fraction(message.data, 'override'))
+    def _show_value(self, name: str, read: Callable[[Any], object], message: Any) -> None:
+        self.show(**{name: read(message.data)})
 
     def _on_stop(self, message: DiagnosticStatus) -> None:
         fault = '' if message.level == DiagnosticStatus.OK else message.message
@@ -135,13 +134,9 @@ class CellReader:
 
     def _on_program(self, message: DiagnosticStatus) -> None:
         values = diagnostic_values(message)
-        before = self._observer.state.program
-        program = ShownProgram(
-            path=before.path,
-            points_file=before.points_file,
-            frames_file=before.frames_file,
-            written=before.written,
-            state=_run_state(values.get('state', '')),
+        program = replace(
+            self._observer.state.program,
+            state=RunState(values.get('state', '')),
             file=values.get('file', ''),
             line=int(number_in(values, 'line', 0.0)),
             motion_file=values.get('motion_file', ''),
@@ -264,9 +259,3 @@ class _Question:
     answered: Callable[[Any], None]
     open: bool = True
     asked: float = -math.inf  # when, s
-
-
-def _run_state(text: str) -> RunState:
-    if text not in [*RunState]:
-        raise InvalidInputError(f'unknown run state {text!r}; valid are {", ".join(RunState)}')
-    return RunState(text)
