@@ -4,18 +4,11 @@ from functools import partial
 from typing import Any, Final
 
 from geometry_msgs.msg import PoseStamped
-from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.pose import Pose
-from robots_core.ros.messages import (
-    ENCAPSULATION_SIZE,
-    LITTLE_ENDIAN,
-    STAMP_END,
-    joint_values,
-    pose_stamped_message,
-)
+from robots_core.ros.messages import joint_values, pose_stamped_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -40,29 +33,17 @@ class DirectKinematicsNode(RobotNode):
         self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = make_publisher(self, PoseStamped, 'tcp_pose')
-        self._content = b''  # of the last joint_states, behind the stamp
-        self._pose = b''  # serialized
-        self.poll(JointState, 'joint_states', self._publish, rate=rate, raw=True)
+        self.poll(JointState, 'joint_states', self._publish, rate=rate)
         self.on_change('tool', self._use_tool)
         self.ready()
 
-    def _publish(self, raw: bytes) -> None:
-        content = raw[STAMP_END:] if raw.startswith(LITTLE_ENDIAN) else b''
-        if content and content == self._content:  # the robot stands: only the stamp changes
-            self._pose = (
-                self._pose[:ENCAPSULATION_SIZE] + raw[ENCAPSULATION_SIZE:STAMP_END] + self._pose[STAMP_END:]
-            )
-        else:
-            message = deserialize_message(raw, JointState)
-            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-            pose = pose_stamped_message(message.header.stamp, self._kinematics.forward(q))
-            self._pose, self._content = serialize_message(pose), content
-        self._publisher.publish(self._pose)
+    def _publish(self, message: JointState) -> None:
+        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+        self._publisher.publish(pose_stamped_message(message.header.stamp, self._kinematics.forward(q)))
         self.ready()
 
     def _use_tool(self, tool: Pose) -> None:
         self._kinematics = DirectKinematics(self.robot, tool=tool)
-        self._content = b''
 
 
 def pose_from_parameter(values: Any) -> Pose:

@@ -21,7 +21,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import STAMP_END, diagnostic_status
+from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.peers.identified_messages import identify, publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.peers.publisher_names import PublisherNames, Sender
@@ -291,29 +291,19 @@ class RobotNode(TimedNode):
             msg_type: The topic's type, with a header.
             topic: Its name.
             callback: Gets the message.
-            rate: Hz. On a wall clock half of it while only the stamps of raw messages change.
+            rate: Hz.
             clock: Of the rate; that of the node by default.
             raw: The message comes as bytes.
         """
         subscription = PolledSubscription(self, msg_type, topic, raw=raw)
-        seldom = raw and (clock is not None or not self.simulated_time)
-        content = b''
 
         def check() -> None:
-            nonlocal content
             message = subscription.take()
-            if message is None:
-                return
-            with self.refusing(topic):
-                callback(message)
-            if seldom:
-                before, content = content, message[STAMP_END:]
-                period = periods[content == before]
-                if period != timer.timer_period_ns:
-                    timer.timer_period_ns = period
+            if message is not None:
+                with self.refusing(topic):
+                    callback(message)
 
-        timer = self.create_timer(1.0 / rate, check, clock=clock)
-        periods = timer.timer_period_ns, 2 * timer.timer_period_ns
+        self.create_timer(1.0 / rate, check, clock=clock)
 
     def create_subscription_with_sender(
         self, msg_type: Any, topic: str, callback: Callable[[Any, Sender], None]
