@@ -82,7 +82,7 @@ class InverseKinematicsNode(RobotNode):
         self._guidance = SensorGuidance(
             movement,
             reference=self._controller_reference,
-            refused=self._refuse_input,
+            refused=self.refuse,
             largest_deviation=largest_deviation,
         )
         self._names = list(self.robot.axes_data.names)
@@ -143,18 +143,15 @@ class InverseKinematicsNode(RobotNode):
         return lent and commanders.allows(Commander.SENSOR)
 
     def _take_references(self, now: float) -> None:
+        base_link = self.robot.base_link
         for message, _ in self._poses.take_all():
-            try:
-                pose = pose_in_base(message.header.frame_id, message.pose, self.robot.base_link)
+            with self.refusing('reference_pose'):
+                pose = pose_in_base(message.header.frame_id, message.pose, base_link)
                 self._guidance.put(pose, self._valid_at(message, now))
-            except RobotsError as error:
-                self._refuse_input('reference_pose', error)
-        for twist_message, _ in self._twists.take_all():
-            try:
-                twist = twist_in_base(twist_message, self.robot.base_link)
-                self._guidance.put_twist(twist, self._valid_at(twist_message, now))
-            except RobotsError as error:
-                self._refuse_input('reference_twist', error)
+        for message, _ in self._twists.take_all():
+            with self.refusing('reference_twist'):
+                twist = twist_in_base(message, base_link)
+                self._guidance.put_twist(twist, self._valid_at(message, now))
 
     def _valid_at(self, message: Any, now: float) -> float:
         """When a message was valid, s on the loop's clock.
@@ -180,15 +177,15 @@ class InverseKinematicsNode(RobotNode):
         """The newest valid `joint_reference`, (3, n)."""
         message = self._controller.take()
         if message is not None:
-            try:
+            with self.refusing('joint_reference'):
                 rows = single_point(message, self._names, 'joint_reference')
                 self.robot.axes_data.check_position(rows[0], 'joint_reference')
                 self._controller_state = rows
-            except RobotsError as error:
-                self._refuse_input('joint_reference', error)
         return self._controller_state
 
-    def _refuse_input(self, topic: str, error: RobotsError) -> None:
+    def refuse(self, topic: str, error: RobotsError, *, stream: bool = True) -> None:
+        """See `RobotNode`; the report, which comes often, shows it for `REFUSAL_SHOWN`."""
+        del stream
         self._refusal, self._refusal_time = f'{topic}: {error}', self.now()
         self.journal.error(self._refusal, throttle_duration_sec=REFUSAL_SHOWN)
 

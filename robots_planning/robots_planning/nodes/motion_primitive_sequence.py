@@ -125,9 +125,6 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         for id_, (primitive, settings) in zip(goal.ids, commands, strict=True):
             self._planner.command(id_, primitive.kind, primitive.target, settings)
 
-    def _refusal(self, error: RobotsError) -> Outcome:
-        return Outcome(INVALID_GOAL, error.message)
-
     def _leave(self, goal: SequenceGoal) -> None:
         del goal
         self._timer.cancel()

@@ -75,9 +75,9 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
             RobotsError: the goal is refused.
         """
 
-    @abstractmethod
     def _refusal(self, error: RobotsError) -> Outcome:
         """Why a goal is not begun, as an answer to it."""
+        return Outcome(INVALID_GOAL, error.message)
 
     @abstractmethod
     def _stop_goal(self, goal: AnyGoal) -> None:
