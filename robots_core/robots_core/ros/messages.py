@@ -99,24 +99,22 @@ def joint_values(names: Sequence[str], values: Sequence[float], wanted: Sequence
     return np.asarray(values, dtype=np.float64)[indices]
 
 
-def joint_motion(
-    message: JointState, wanted: Sequence[str], what: str = 'joint_states'
-) -> tuple[Array, Array | None, Array | None]:
+def joint_motion(message: JointState, wanted: Sequence[str]) -> tuple[Array, Array | None, Array | None]:
     """Positions of the wanted joints, and velocities and efforts where there are any, (n,) each.
 
     Raises:
         InvalidInputError: a missing joint, no positions, or not one value per name.
     """
-    count, indices = len(message.name), joint_indices(message.name, wanted, what)
+    count, indices = len(message.name), joint_indices(message.name, wanted, 'joint_states')
     rows: list[Array | None] = []
     for plural, field in JOINT_FIELDS.items():
         values = getattr(message, field)
         if len(values) not in {0, count}:
-            raise InvalidInputError(f'{what} has {len(values)} {plural} for {count} joints')
+            raise InvalidInputError(f'joint_states has {len(values)} {plural} for {count} joints')
         rows.append(np.asarray(values, dtype=np.float64)[indices] if len(values) else None)
     q, q_dot, tau = rows
     if q is None:
-        raise InvalidInputError(f'{what} has no positions')
+        raise InvalidInputError('joint_states has no positions')
     return q, q_dot, tau
 
 

@@ -72,10 +72,9 @@ class RobotNode(TimedNode):
         self._bad_streams: dict[str, float] = {}
         self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
         self._diagnostics = make_publisher(self, DiagnosticArray, '/diagnostics')
-        self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
-        if not self.simulated_time:
-            self._started = self.now()
-            self._starting = self.create_timer(START_PERIOD, self._repeat_while_starting)
+        self._started = self.now()
+        period = HEALTH_PERIOD if self.simulated_time else START_PERIOD
+        self._health_timer = self.create_timer(period, self._repeat_health, phase=Phase.OBSERVE)
 
     def parameter(
         self,
@@ -183,6 +182,8 @@ class RobotNode(TimedNode):
         """Called before health is published again: nodes whose health has values that change set it here."""
 
     def _repeat_health(self) -> None:
+        if self.now() - self._started > STARTING:
+            self._health_timer.timer_period_ns = round(1e9 * HEALTH_PERIOD)
         self.update_health()
         self._publish_health()
 
@@ -207,11 +208,6 @@ class RobotNode(TimedNode):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
-
-    def _repeat_while_starting(self) -> None:
-        self._repeat_health()
-        if self.now() - self._started > STARTING:
-            self._starting.cancel()
 
     def thread_failed(self, error: BaseException) -> None:
         """Report that a thread of this node ended by itself, and end the node."""

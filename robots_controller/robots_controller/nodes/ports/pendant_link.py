@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from threading import Lock
 from typing import Final
 
@@ -18,9 +18,8 @@ from robots_controller.nodes.ports.pendant_moves import PendantMoves
 from robots_controller.nodes.ports.program_link import ProgramLink
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
-from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.cell_interface.operating_modes import OperatingMode
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import joint_state_message, joint_values, seconds, twist_stamped_message
 from robots_core.ros.qos import make_publisher
@@ -49,7 +48,8 @@ class PendantLink(ProgramLink):
         self._holds = make_publisher(node, Bool, 'hold_to_run')
         self._overrides = make_publisher(node, Float64, 'override')
         self._services.prepare(STOPS)
-        self._move = PendantMoves(node, self._services).move
+        move = PendantMoves(node, self._services).move
+        self.begin_move, self.end_move = move.begin, move.end
         self._ghosts = make_publisher(node, JointState, 'ghost')
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
         self._reference: Array | None = None
@@ -69,14 +69,6 @@ class PendantLink(ProgramLink):
     def hold_run(self, *, held: bool) -> None:
         """See `PendantPort`."""
         self._holds.publish(Bool(data=held))
-
-    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
-        """See `PendantPort`."""
-        self._move.begin(command, done)
-
-    def end_move(self) -> None:
-        """See `PendantPort`."""
-        self._move.end()
 
     def reference(self) -> Array | None:
         """See `PendantPort`."""

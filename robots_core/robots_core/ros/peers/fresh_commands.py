@@ -26,14 +26,16 @@ class FreshCommands:
 
     def held_up(self, silence: float) -> bool:
         """The process runs again after a silence (s), in which the others have missed it; from any thread."""
-        missed = self._missed(silence)
+        missed = self.missed(silence)
         if missed:
             self._resumed = time.time_ns()
         return missed
 
-    def missed(self) -> bool:
-        """The process runs again after the others have missed it, and has given no sign of life since."""
-        return self._missed(self._node.silence())
+    def missed(self, silence: float | None = None) -> bool:
+        """The process runs again after the others have missed it, by default with no sign of life since."""
+        silence = self._node.silence() if silence is None else silence
+        # Looked at for every command: the share is read only after a silence.
+        return silence > self._watchdog > 0.0 and silence * processor_share_in_silence() > self._watchdog
 
     def check(self, sender: Sender) -> None:
         """Pass a command that was sent since.
@@ -45,7 +47,3 @@ class FreshCommands:
             raise NotNowError(
                 f'{self._node.get_name()} was held up after this was commanded; command it again'
             )
-
-    def _missed(self, silence: float) -> bool:
-        # Looked at for every command: the share is read only after a silence.
-        return silence > self._watchdog > 0.0 and silence * processor_share_in_silence() > self._watchdog
