@@ -7,7 +7,6 @@ from types import ModuleType
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.farthest_vertices import MANY, Indices, farthest_vertices
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import Array, read_only
@@ -52,12 +51,6 @@ class Solid:
                 return np.zeros((1, 3)), 0.0, 0.0, radius
             case Mesh(vertices):
                 return vertices, 0.0, 0.0, 0.0
-
-    @cached_property
-    def farthest(self) -> tuple[Indices, Indices] | None:
-        """See `farthest_vertices`; None if there are few."""
-        vertices = self.core[0]
-        return farthest_vertices(vertices) if self.convex and len(vertices) >= MANY else None
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:

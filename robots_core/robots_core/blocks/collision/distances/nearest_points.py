@@ -10,8 +10,8 @@ backup procedure of that paper and does not depend on the order of its points.
 from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robots_core.blocks.collision.distances.farthest_vertices import EDGE, Indices
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     Vector,
@@ -28,10 +28,10 @@ from robots_core.kernels.vectors import (
 )
 from robots_core.validation import Array
 
-PartArrays = tuple[Array, Indices, Array, Array, Array, Indices, Indices, Indices, Indices]
+Indices = NDArray[np.int64]
+PartArrays = tuple[Array, Indices, Array, Array, Array, Indices]
 """Vertices (k, 3), first vertex of every part (p + 1,), disc, half length and rounding radius (p,), m, and
-the frame that each part is fixed to (p,). For parts with many vertices, `farthest_vertices`: the row of each
-part (p,), below 0 for none; the places (r, CELLS + 1); the vertices.
+the frame that each part is fixed to (p,).
 
 A part is the hull of its vertices, or, where `disc` is above 0, a cylinder along z; either grown by `radius`.
 """
@@ -44,26 +44,9 @@ SINGULAR = 1e-13  # of the product of the edges; a simplex this flat is skipped 
 
 
 @compiled(counted=False)
-def cell_of(x: float, y: float, z: float) -> int:
-    """The cell of a direction, see `farthest_vertices`."""
-    a, b, c = abs(x), abs(y), abs(z)
-    if a >= b and a >= c:
-        face, largest, u, v = 0 if x >= 0.0 else 1, a, y, z
-    elif b >= c:
-        face, largest, u, v = 2 if y >= 0.0 else 3, b, z, x
-    else:
-        face, largest, u, v = 4 if z >= 0.0 else 5, c, x, y
-    if largest == 0.0:
-        return 0
-    row = max(min(int(0.5 * EDGE * (1.0 + u / largest)), EDGE - 1), 0)
-    column = max(min(int(0.5 * EDGE * (1.0 + v / largest)), EDGE - 1), 0)
-    return (face * EDGE + row) * EDGE + column
-
-
-@compiled(counted=False)
 def support(parts: PartArrays, R: Array, t: Array, index: int, x: float, y: float, z: float) -> Vector:
     """The point of a part, without its rounding, that is farthest along (x, y, z)."""
-    vertices, first, disc, half, _, frame, rows, places, farthest = parts
+    vertices, first, disc, half, _, frame = parts
     at_frame = frame[index]
     T = matrix_of(R[at_frame])
     u, v, w = times(transposed(T), (x, y, z))
@@ -72,13 +55,8 @@ def support(parts: PartArrays, R: Array, t: Array, index: int, x: float, y: floa
         factor = disc[index] / across if across > 0.0 else 0.0
         a, b, c = factor * u, factor * v, half[index] if w >= 0.0 else -half[index]
     else:
-        row, best, at = rows[index], -np.inf, first[index]
-        begin, end = at, first[index + 1]
-        if row >= 0:
-            cell = cell_of(u, v, w)
-            begin, end = places[row, cell], places[row, cell + 1]
-        for place in range(begin, end):
-            k = farthest[place] if row >= 0 else place
+        best, at = -np.inf, first[index]
+        for k in range(first[index], first[index + 1]):
             along = vertices[k, 0] * u + vertices[k, 1] * v + vertices[k, 2] * w
             if along > best:
                 best, at = along, k

@@ -6,7 +6,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.distances.nearest_points import PartArrays, nearest_points
+from robots_core.blocks.collision.distances.nearest_points import Indices, PartArrays, nearest_points
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     add,
@@ -20,8 +20,6 @@ from robots_core.kernels.vectors import (
     transposed,
 )
 from robots_core.validation import Array
-
-Indices = NDArray[np.int64]
 
 SolidArrays = tuple[PartArrays, Indices, Array, Array, Array, Array, Indices, Array, Array]
 """Arrays of s solids with p parts; a convex solid has one part, a surface one per triangle.

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.farthest_vertices import CELLS
 from robots_core.blocks.collision.distances.nearest_points import PartArrays
 from robots_core.blocks.collision.distances.pair_kernels import (
     Indices,
@@ -111,31 +110,17 @@ def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
         radii += [ball for _, ball in balls]
         sizes.append(len(corners))
     bounds = np.array([solid.bounds for solid in solids]).reshape(-1, 2, 3)
-    first, first_part = _offsets([len(corners) for corners in vertices]), _offsets(sizes)
-    tabled = [k for k, solid in enumerate(solids) if solid.farthest is not None]
-    tables = [table for solid in solids if (table := solid.farthest) is not None]
-    rows_of_parts = np.full(len(rows), -1)
-    rows_of_parts[first_part[tabled]] = np.arange(len(tabled))
-    begins = _offsets([len(chosen) for _, chosen in tables])[:-1]
     parts: PartArrays = (
         np.concatenate([np.empty((0, 3)), *vertices]),
-        first,
+        _offsets([len(corners) for corners in vertices]),
         np.array([row[0] for row in rows]),
         np.array([row[1] for row in rows]),
         np.array([row[2] for row in rows]),
         np.array([row[3] for row in rows], dtype=np.int64),
-        rows_of_parts,
-        np.array([places for places, _ in tables], dtype=np.int64).reshape(-1, CELLS + 1) + begins[:, None],
-        np.concatenate(
-            [
-                np.empty(0, dtype=np.int64),
-                *(first[first_part[k]] + chosen for k, (_, chosen) in zip(tabled, tables, strict=True)),
-            ]
-        ),
     )
     return (
         parts,
-        first_part,
+        _offsets(sizes),
         np.array(centres).reshape(-1, 3),
         np.array(radii),
         0.5 * (bounds[:, 0] + bounds[:, 1]),
