@@ -13,7 +13,7 @@ from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of,
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.along_paths.path_certificate import PathCertificate
 from robots_core.blocks.collision.along_paths.path_search import RESOLUTION, closest_approach, first_approach
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
 from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
@@ -263,7 +263,7 @@ class CollisionDetection:
         close = at_start <= kept
         kept[close] = np.maximum(at_start[close] - ROUNDING, 0.0)
         if self._certificate is None:
-            self._certificate = PathCertificate(self.robot, self._set)
+            self._certificate = PathCertificate(self._set)
         return self._certificate, kept
 
     def proximity(self, q: ArrayLike, pair: int) -> Proximity:
@@ -318,13 +318,13 @@ class CollisionDetection:
         return PathProximity(time, path.fraction(time), read_only(q), tool0, found)
 
     def _place(self, q: ArrayLike) -> None:
-        self._set.place(finite_vector(q, self.robot.num_axes, 'q'))
+        self._set.place(q)
         self._engine.place(self._set.R, self._set.t)
 
     def _close(self, q: ArrayLike, limit: float) -> Indices:
         """Pairs that may be closer than `limit`, m."""
         self._place(q)
-        close: Indices = np.flatnonzero(self._set.broad_distances() <= limit)
+        close: Indices = np.flatnonzero(self._set.broad_distances(limit) <= limit)
         return close
 
     def _names(self, pair: int) -> tuple[str, str]:

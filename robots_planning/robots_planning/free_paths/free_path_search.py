@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.collision.along_paths.path_certificate import FREE, PathCertificate
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -11,14 +11,9 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.along_paths.certificate_kernel import (
-    FREE,
-    BodyArrays,
-    PlacedArrays,
-    blocking_pair,
-    certify_line,
-)
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.along_paths.certificate_kernel import FREE, blocking_pair, certify_line
+from robots_core.blocks.collision.distances.nearest_points import Indices
+from robots_core.blocks.collision.distances.placed_solids import BodyArrays, PlacedArrays
 from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.robot_solids import is_large, robot_solids
 from robots_core.blocks.collision.solids import Solid

@@ -5,7 +5,8 @@ from math import inf, sqrt
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.pair_kernels import Indices, SolidArrays
+from robots_core.blocks.collision.distances.nearest_points import Indices
+from robots_core.blocks.collision.distances.placed_solids import SolidArrays
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import dot, matrix_of, row_of, times, transposed
 from robots_core.validation import Array

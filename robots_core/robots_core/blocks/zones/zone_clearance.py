@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid
 from robots_core.blocks.zones.wall_kernel import wall_distances
@@ -69,8 +69,8 @@ class ZoneClearance:
         return found
 
     def _walls(self, chosen: Indices, enough: Array) -> Array:
-        arrays, R, t = self._set.arrays, self._set.R, self._set.t
-        return wall_distances(arrays, R, t, chosen, self._normals, self._offsets, enough)
+        solids, R, t = self._set.body[0], self._set.R, self._set.t
+        return wall_distances(solids, R, t, chosen, self._normals, self._offsets, enough)
 
     def closest(self, q: Array, enough: float = np.inf) -> tuple[float, str]:
         """The smallest clearance at joint positions `q`, (n,), m, and whose; see `clearances`."""

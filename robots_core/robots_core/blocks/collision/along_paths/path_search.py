@@ -15,7 +15,7 @@ from itertools import count
 import numpy as np
 
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
-from robots_core.blocks.collision.distances.pair_kernels import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.validation import Array
 

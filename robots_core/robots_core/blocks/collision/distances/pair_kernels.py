@@ -4,76 +4,28 @@
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-from robots_core.blocks.collision.distances.nearest_points import Indices, PartArrays, nearest_points
-from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import (
-    add,
-    copy_into,
-    dot,
-    matrix_of,
-    product,
-    row_of,
-    subtract,
-    times,
-    transposed,
+from robots_core.blocks.collision.distances.nearest_points import Indices, nearest_points
+from robots_core.blocks.collision.distances.placed_solids import (
+    BodyArrays,
+    PlacedArrays,
+    SolidArrays,
+    approach,
+    broad_distance,
+    forget_approaches,
 )
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import add, copy_into, dot, matrix_of, row_of, subtract, times
 from robots_core.validation import Array
 
-SolidArrays = tuple[PartArrays, Indices, Array, Array, Array, Array, Indices, Array, Array]
-"""Arrays of s solids with p parts; a convex solid has one part, a surface one per triangle.
-
-The parts; first part of every solid (s + 1,); centres (p, 3) and radii (p,) of balls around the parts;
-centres (s, 3) and half edges (s, 3) of boxes around the solids, in their own frames; the axis frame that each
-is fixed to (s,), and its pose there: orientation (s, 3, 3), position (s, 3). Lengths in m.
-"""
-MotionArrays = tuple[Array, NDArray[np.bool_]]
-"""Directions of the axes, each in its own frame, (n, 3), and whether they slide, (n,)."""
-
 
 @compiled()
-def place(solids: SolidArrays, r: Array, T: Array, R: Array, t: Array) -> None:
-    """Fill orientations R (s, 3, 3) and positions t (s, 3) of the solids for axis frames r, T."""
-    frame, local_R, local_t = solids[6], solids[7], solids[8]
-    for s in range(frame.size):
-        k = frame[s] - 1
-        if k < 0:
-            R[s], t[s] = local_R[s], local_t[s]
-            continue
-        turned = matrix_of(T[k])
-        t[s, 0], t[s, 1], t[s, 2] = add(row_of(r, k), times(turned, row_of(local_t, s)))
-        for row in range(3):
-            R[s, row, 0], R[s, row, 1], R[s, row, 2] = product(turned, matrix_of(local_R[s]))[row]
-
-
-@compiled()
-def _ball_to_box(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
-    """Distance of the ball around the box of solid i from the box of solid j, m; below 0 if they overlap."""
-    centres, halves = solids[4], solids[5]
-    middle = add(subtract(row_of(t, i), row_of(t, j)), times(matrix_of(R[i]), row_of(centres, i)))
-    inside = subtract(times(transposed(matrix_of(R[j])), middle), row_of(centres, j))
-    squared = 0.0
-    for axis in range(3):
-        outside = abs(inside[axis]) - halves[j, axis]
-        if outside > 0.0:
-            squared += outside * outside
-    half = row_of(halves, i)
-    return sqrt(squared) - sqrt(dot(half, half))
-
-
-@compiled()
-def broad_distance(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
-    """A fast lower bound of the distance of two solids, m; may be below 0."""
-    return max(_ball_to_box(solids, R, t, i, j), _ball_to_box(solids, R, t, j, i))
-
-
-@compiled()
-def broad_distances(solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices) -> Array:
-    """`broad_distance` of many pairs, (p,)."""
+def broad_distances(body: BodyArrays, placed: PlacedArrays, enough: float) -> Array:
+    """`broad_distance` of all pairs, (p,)."""
+    first, second = body[4], body[5]
     result = np.empty(first.size)
-    for k in range(first.size):
-        result[k] = broad_distance(solids, R, t, first[k], second[k])
+    for p in range(first.size):
+        result[p] = broad_distance(body, placed, first[p], second[p], enough)
     return result
 
 
@@ -139,27 +91,28 @@ def _surface_distance(
 
 
 @compiled()
-def distances(
-    solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices, enough: Array
-) -> Array:
-    """Proven lower bounds of the distances of many pairs, (p,) m; exact up to `enough` (p,)."""
-    bounds = np.empty(first.size)
-    result = np.empty(8)
-    for k in range(first.size):
-        bounds[k] = broad_distance(solids, R, t, first[k], second[k])
+def distances(body: BodyArrays, placed: PlacedArrays, chosen: Indices, enough: Array) -> Array:
+    """Proven lower bounds of the distances of chosen pairs, (k,) m; exact up to `enough` (k,)."""
+    bounds = np.empty(chosen.size)
+    R, t, result = placed[2], placed[3], placed[8]
+    for k in range(chosen.size):
+        i, j = body[4][chosen[k]], body[5][chosen[k]]
+        bounds[k] = broad_distance(body, placed, i, j, enough[k])
         if bounds[k] <= enough[k]:
-            solid_distance(solids, R, t, first[k], second[k], 0.0, enough[k], False, result)
+            solid_distance(body[0], R, t, i, j, 0.0, enough[k], False, result)
             bounds[k] = result[0]
     return bounds
 
 
 @compiled()
 def smallest_distance(
-    solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices, limit: float
+    body: BodyArrays, placed: PlacedArrays, chosen: Indices, limit: float
 ) -> tuple[float, int]:
-    """Smallest distance (m) of many pairs, and which it is; `limit` and -1 if none is below it."""
-    bounds = broad_distances(solids, R, t, first, second)
-    result = np.empty(8)
+    """Smallest distance (m) of chosen pairs, and which it is; `limit` and -1 if none is below it."""
+    bounds = np.empty(chosen.size)
+    for k in range(chosen.size):
+        bounds[k] = broad_distance(body, placed, body[4][chosen[k]], body[5][chosen[k]], limit)
+    R, t, result = placed[2], placed[3], placed[8]
     best, at = limit, -1
     # The smallest bound first, until all others are farther; few steps, so that sorting would not pay.
     while bounds.size > 0:
@@ -167,64 +120,17 @@ def smallest_distance(
         if bounds[k] >= best:
             break
         bounds[k] = np.inf
-        solid_distance(solids, R, t, first[k], second[k], 0.0, best, False, result)
+        solid_distance(body[0], R, t, body[4][chosen[k]], body[5][chosen[k]], 0.0, best, False, result)
         if result[1] < best:
             best, at = result[1], k
     return best, at
 
 
 @compiled()
-def travels(
-    solids: SolidArrays,
-    motion: MotionArrays,
-    r: Array,
-    T: Array,
-    R: Array,
-    t: Array,
-    first: Indices,
-    second: Indices,
-    turn: Array,
-) -> Array:
-    """Upper bound on the approach of two solids while the axes move, (p,) m.
-
-    Moved one after the other, the outermost axis first, axis k moves a point by no more than its turn times
-    the point's distance from the axis: that at the current joint positions, plus the displacement by the axes
-    further out (after Schwarzer, Saha and Latombe 2005, with current radii in place of the largest ones).
-
-    Args:
-        solids: The solids.
-        motion: The axes.
-        r: Origins of the axis frames at the current joint positions, (n, 3), m.
-        T: Their orientations, (n, 3, 3).
-        R: Orientations of the solids, (s, 3, 3).
-        t: Positions of the solids, (s, 3), m.
-        first: First solid of each pair, fixed to a frame not after that of the other.
-        second: Other solid of each pair.
-        turn: Largest displacement of each axis from its current position, (n,), rad (m).
-    """
-    directions, slides = motion
-    centres, halves, frame = solids[4], solids[5], solids[6]
-    n = turn.size
-    # Distance of the farthest corner of a solid's box from each axis, computed on demand.
-    reach = np.full((frame.size, n), -1.0)
-    result = np.zeros(first.size)
-    for p in range(first.size):
-        s = second[p]
-        approach = 0.0
-        for k in range(frame[s] - 1, frame[first[p]] - 1, -1):
-            if slides[k]:
-                approach += turn[k]
-                continue
-            if reach[s, k] < 0.0:
-                farthest = 0.0
-                axis = times(matrix_of(T[k]), row_of(directions, k))
-                for corner in range(8):
-                    x, y, z = halves[s, 0], halves[s, 1], halves[s, 2]
-                    side = (x if corner & 1 else -x, y if corner & 2 else -y, z if corner & 4 else -z)
-                    at = times(matrix_of(R[s]), add(row_of(centres, s), side))
-                    arm = add(subtract(row_of(t, s), row_of(r, k)), at)
-                    farthest = max(farthest, dot(arm, arm) - dot(arm, axis) ** 2)
-                reach[s, k] = sqrt(farthest)
-            approach += turn[k] * (reach[s, k] + approach)
-        result[p] = approach
+def travels(body: BodyArrays, placed: PlacedArrays, chosen: Indices, turn: Array) -> Array:
+    """`approach` of chosen pairs where the solids were placed, (k,) m."""
+    forget_approaches(placed)
+    result = np.empty(chosen.size)
+    for k in range(chosen.size):
+        result[k] = approach(body, placed, turn, body[4][chosen[k]], body[5][chosen[k]])
     return result

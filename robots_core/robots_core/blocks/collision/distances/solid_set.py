@@ -3,23 +3,22 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from robots_core.blocks.collision.distances.nearest_points import PartArrays
+from robots_core.blocks.collision.distances.nearest_points import Indices, PartArrays
 from robots_core.blocks.collision.distances.pair_kernels import (
-    Indices,
-    MotionArrays,
-    SolidArrays,
     broad_distances,
     distances,
-    place,
     smallest_distance,
     solid_distance,
     travels,
 )
-from robots_core.blocks.collision.solids import Solid
-from robots_core.kernels.serial_chain import SerialChain
+from robots_core.blocks.collision.distances.placed_solids import BodyArrays, PlacedArrays, SolidArrays, place
+from robots_core.blocks.collision.solids import BOX_CORNERS, Solid
+from robots_core.kernels.serial_chain import ChainArrays, SerialChain, chain_frames
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
+from robots_core.validation import Array, finite_vector
 
 
 class SolidSet:
@@ -32,61 +31,92 @@ class SolidSet:
     """
 
     def __init__(self, robot: BaseRobotModel, solids: Sequence[Solid], pairs: Indices) -> None:
-        self._frame_axes = robot.kinematic_model.frame_axes
         self.solids = tuple(solids)
         frames = np.array([solid.frame for solid in solids], dtype=np.int64)
         # The solid that is moved by more axes comes second.
         ordered = np.where((frames[pairs[:, 0]] > frames[pairs[:, 1]])[:, None], pairs[:, ::-1], pairs)
         self.first, self.second = (np.ascontiguousarray(ordered[:, column]) for column in (0, 1))
-        self.arrays = _solid_arrays(self.solids, frames)
-        """The solids for compiled code."""
-        self.chain = SerialChain.of(robot)
-        """The robot's axes."""
-        self._motion = _motion_arrays(robot, self.chain)
-        self.R, self.t = np.empty((len(solids), 3, 3)), np.empty((len(solids), 3))
-        self._r, self._T = np.empty((0, 3)), np.empty((0, 3, 3))
+        chain = SerialChain.of(robot).arrays
+        arrays = _solid_arrays(self.solids, frames, *_poses_in_chain(robot, chain, self.solids))
+        balls, reaches = [solid.ball for solid in solids], [solid.reach for solid in solids]
+        centres = np.array([centre for centre, _ in balls]).reshape(-1, 3)
+        self.body: BodyArrays = (
+            arrays,
+            chain,
+            (
+                np.array([points for points, _ in reaches]).reshape(-1, *BOX_CORNERS.shape),
+                np.array([radius for _, radius in reaches]),
+            ),
+            (centres, np.array([radius for _, radius in balls])),
+            self.first,
+            self.second,
+        )
+        """The solids and the axes for compiled code."""
+        count, n = len(solids), robot.num_axes
+        self.R, self.t = arrays[7].copy(), arrays[8].copy()
+        self.placed: PlacedArrays = (
+            np.empty((n, 3)),
+            np.empty((n, 3, 3)),
+            self.R,
+            self.t,
+            np.empty((count, n)),
+            np.zeros((self.first.size, 3)),
+            self.t + np.einsum('sij,sj->si', self.R, centres),
+            np.empty((8, 3)),
+            np.empty(8),
+        )
+        """Scratch memory for compiled code."""
 
-    def place(self, q: Array) -> None:
-        """Place all solids for joint positions `q`, (n,)."""
-        self._r, self._T = self._frame_axes(q)
-        place(self.arrays, self._r, self._T, self.R, self.t)
+    def place(self, q: ArrayLike) -> None:
+        """Place all solids for joint positions `q`, (n,).
 
-    def broad_distances(self) -> Array:
-        """Fast lower bounds of the distances of all pairs, (p,) m; may be below 0."""
-        return broad_distances(self.arrays, self.R, self.t, self.first, self.second)
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        # Read-only arrays would be compiled for again.
+        place(self.body, self.placed, np.array(finite_vector(q, len(self.placed[0]), 'q')))
+
+    def broad_distances(self, enough: float) -> Array:
+        """Fast lower bounds of the distances of all pairs, (p,) m, less tight beyond `enough`."""
+        return broad_distances(self.body, self.placed, enough)
 
     def distances(self, chosen: Indices, enough: Array) -> Array:
         """Proven lower bounds of the distances of chosen pairs, (k,) m; exact up to `enough`, (k,)."""
-        return distances(self.arrays, self.R, self.t, self.first[chosen], self.second[chosen], enough)
+        return distances(self.body, self.placed, chosen, enough)
 
     def smallest_distance(self, chosen: Indices, limit: float) -> tuple[float, int]:
         """Smallest distance of chosen pairs, m, and which of them; `limit` and -1 if none is below."""
-        return smallest_distance(self.arrays, self.R, self.t, self.first[chosen], self.second[chosen], limit)
+        return smallest_distance(self.body, self.placed, chosen, limit)
 
     def nearest(self, pair: int) -> Array:
         """Lower bound and distance, m, and nearest points of a pair, (8,); see `nearest_points`."""
         result = np.empty(8)
-        solid_distance(
-            self.arrays, self.R, self.t, self.first[pair], self.second[pair], 0.0, np.inf, False, result
-        )
+        i, j = self.first[pair], self.second[pair]
+        solid_distance(self.body[0], self.R, self.t, i, j, 0.0, np.inf, False, result)
         return result
 
     def travels(self, chosen: Indices, turn: Array) -> Array:
         """Bounds on the approach of chosen pairs if the axes move by at most `turn`, (n,) rad (m); (k,) m."""
-        return travels(
-            self.arrays,
-            self._motion,
-            self._r,
-            self._T,
-            self.R,
-            self.t,
-            self.first[chosen],
-            self.second[chosen],
-            turn,
-        )
+        return travels(self.body, self.placed, chosen, turn)
 
 
-def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
+def _poses_in_chain(
+    robot: BaseRobotModel, chain: ChainArrays, solids: Sequence[Solid]
+) -> tuple[Array, Array]:
+    """Orientations (s, 3, 3) and positions (s, 3) of solids in the frames of the chain.
+
+    They are fixed to the frames of the kinematic model, which may lie elsewhere on the same bodies.
+    """
+    r, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
+    frames = [Pose.identity()]
+    for own, one in zip(zip(r, T, strict=True), zip(*chain_frames(chain), strict=True), strict=True):
+        frames.append(Pose(*one).inverse() @ Pose(*own))
+    poses = [frames[solid.frame] @ solid.pose for solid in solids]
+    orientations = np.array([pose.T for pose in poses]).reshape(-1, 3, 3)
+    return orientations, np.array([pose.r for pose in poses]).reshape(-1, 3)
+
+
+def _solid_arrays(solids: Sequence[Solid], frames: Indices, R: Array, t: Array) -> SolidArrays:
     # Array shapes are stated explicitly, for robots without solids.
     vertices: list[Array] = []
     rows: list[tuple[float, float, float, int]] = []
@@ -126,15 +156,10 @@ def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
         0.5 * (bounds[:, 0] + bounds[:, 1]),
         0.5 * (bounds[:, 1] - bounds[:, 0]),
         frames,
-        np.array([solid.pose.T for solid in solids]).reshape(-1, 3, 3),
-        np.array([solid.pose.r for solid in solids]).reshape(-1, 3),
+        R,
+        t,
     )
 
 
 def _offsets(sizes: Sequence[int]) -> Indices:
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
-
-
-def _motion_arrays(robot: BaseRobotModel, chain: SerialChain) -> MotionArrays:
-    _, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
-    return np.einsum('nji,nj->ni', T, chain.directions), np.array(robot.axes_data.prismatic)
