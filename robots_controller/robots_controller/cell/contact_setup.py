@@ -65,7 +65,7 @@ def read_contact(path: Path | str) -> ContactSetup:
     """
     section = read_yaml(path)
     wheel, bed, control, outputs = (
-        _section(section, key) for key in ('wheel', 'bed', 'force_control', 'outputs')
+        section.needed_section(key) for key in ('wheel', 'bed', 'force_control', 'outputs')
     )
     x, y, height = _vector(bed, 'x', 2), _vector(bed, 'y', 2), bed.number('height')
     radius, width = wheel.number('radius'), wheel.number('width')
@@ -96,13 +96,6 @@ def check_one_guide(*guides: Path | str) -> None:
             f'{" and ".join(given)} both guide the robot: give a recording or a cabin, a contact or an '
             f'orbit, not two'
         )
-
-
-def _section(section: YamlSection, key: str) -> YamlSection:
-    below = section.section(key)
-    if below is None:
-        raise section.error(f'{key} is missing')
-    return below
 
 
 def _made(section: YamlSection, make: Callable[[], Made]) -> Made:

@@ -161,6 +161,17 @@ class YamlSection:
         node = self._take(key, needed=False)
         return None if node is None else self._section(node, key)
 
+    def needed_section(self, key: str) -> YamlSection:
+        """A mapping below a key.
+
+        Raises:
+            InvalidInputError: the key is missing, or not a mapping.
+        """
+        below = self.section(key)
+        if below is None:
+            raise self.error(f'{key} is missing')
+        return below
+
     def entries(self, key: str) -> list[tuple[YamlSection, str]]:
         """The keys of a mapping below a key, each with the mapping; none if the key is missing.
 

@@ -68,8 +68,7 @@ def _object(item: YamlSection, kind: type[Placed], lines: dict[str, int], folder
 
 
 def _geometry(item: YamlSection, kind: str, folder: Path) -> Geometry:
-    parts = item.section(kind)
-    assert parts is not None
+    parts = item.needed_section(kind)
     geometry: Geometry
     if kind == 'mesh':
         # Imported on demand: scenes without meshes need no mesh library.

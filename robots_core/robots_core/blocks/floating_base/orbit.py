@@ -112,21 +112,14 @@ def read_orbit(path: Path | str) -> Orbit:
     """
     section = read_yaml(path)
     orbit = Orbit(
-        _target(_part(section, 'target')),
-        Gripper(**_numbers(_part(section, 'gripper'), 'reach', 'speed', 'rotation', 'duration')),
-        Wheels(**_numbers(_part(section, 'wheels'), 'torque', 'capacity', 'time_constant')),
-        Approach(**_numbers(_part(section, 'approach'), 'distance', 'speed', 'camera_range')),
+        _target(section.needed_section('target')),
+        Gripper(**_numbers(section.needed_section('gripper'), 'reach', 'speed', 'rotation', 'duration')),
+        Wheels(**_numbers(section.needed_section('wheels'), 'torque', 'capacity', 'time_constant')),
+        Approach(**_numbers(section.needed_section('approach'), 'distance', 'speed', 'camera_range')),
         _vector(section, 'twist', 6),
     )
     section.finish()
     return orbit
-
-
-def _part(section: YamlSection, key: str) -> YamlSection:
-    part = section.section(key)
-    if part is None:
-        raise section.error(f'{key} is missing')
-    return part
 
 
 def _numbers(section: YamlSection, *keys: str) -> dict[str, float]:

@@ -64,19 +64,12 @@ def read_cabin(path: Path | str) -> Cabin:
         InvalidInputError: a file that is missing or not such a cabin; names the file and the line.
     """
     section = read_yaml(path)
-    flange, head = (read_pose(_part(section, name)) for name in ('flange', 'head'))
-    envelope = _made(_part(section, 'envelope'), CabinEnvelope)
+    flange, head = (read_pose(section.needed_section(name)) for name in ('flange', 'head'))
+    envelope = _made(section.needed_section('envelope'), CabinEnvelope)
     washout = _made(section.section('washout'), WashoutSettings)
     vehicle = _made(section.section('vehicle'), VehicleData)
     section.finish()
     return Cabin(flange=flange, head=head, envelope=envelope, washout=washout, vehicle=vehicle)
-
-
-def _part(section: YamlSection, key: str) -> YamlSection:
-    part = section.section(key)
-    if part is None:
-        raise section.error(f'{key} is missing')
-    return part
 
 
 def _made(section: YamlSection | None, kind: type[Made]) -> Made:

@@ -42,16 +42,14 @@ def read_zone(item: YamlSection, lines: dict[str, int]) -> Zone:
 
 
 def _box(item: YamlSection) -> PlacedBox:
-    parts = item.section('box')
-    assert parts is not None
+    parts = item.needed_section('box')
     box = parts.made('size', lambda size: Box(tuple(finite_vector(size, 3, 'size').tolist())))
     parts.finish()
     return PlacedBox(box, read_pose(item.section('pose')))
 
 
 def _plane(item: YamlSection) -> HalfSpace:
-    parts = item.section('plane')
-    assert parts is not None
+    parts = item.needed_section('plane')
     point = parts.made('point', lambda value: finite_vector(value, 3, 'point'))
     normal = parts.made('normal', lambda value: finite_vector(value, 3, 'normal'))
     parts.finish()
