@@ -1,9 +1,10 @@
 """Hold: what of a pose a Cartesian motion holds, for arms that cannot hold all of it too."""
 
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.ik_result import IkResult
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, one_of
@@ -55,19 +56,7 @@ def condition_rows(hold: str, num_axes: int) -> int:
     return 3 if hold == POSITION else 3 + num_axes
 
 
-class PoseDeviation(Protocol):
-    """How far a tool is from a pose."""
-
-    @property
-    def position_error(self) -> float:
-        """Distance, m."""
-
-    @property
-    def orientation_error(self) -> float:
-        """Angle, rad."""
-
-
-def describe_miss(miss: PoseDeviation, hold: str) -> str:
+def describe_miss(miss: IkResult, hold: str) -> str:
     """'20 mm and 0.03 rad', or '20 mm' where no orientation is held."""
     error = miss.position_error
     distance = f'{error:.4g} m' if error >= 1.0 else f'{error * 1e3:.3g} mm'
