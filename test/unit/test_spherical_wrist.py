@@ -11,8 +11,8 @@ import pytest
 
 from robots_core import UrdfRobotModel, load_robot_model
 from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.robot_model.analytic.arm_families import spherical_wrist
 from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines
-from robots_core.robot_model.analytic.spherical_wrist import spherical_wrist
 
 X, Y, Z = np.eye(3)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.robot_model.analytic.arm_families import ur_arm
 from robots_core.robot_model.analytic.axis_lines import AxisLines
-from robots_core.robot_model.analytic.ur_arm import ur_arm
 
 X, Y, Z = np.eye(3)
 

@@ -8,10 +8,9 @@ import numpy as np
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.pose import Pose
+from robots_core.robot_model.analytic.arm_families import spherical_wrist, ur_arm
 from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines, no_closed_form
 from robots_core.robot_model.analytic.configuration import Configuration
-from robots_core.robot_model.analytic.spherical_wrist import spherical_wrist
-from robots_core.robot_model.analytic.ur_arm import ur_arm
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
 

@@ -48,8 +48,15 @@ ARM = np.dtype(
 
 
 def arm_record(
-    lines: AxisLines, parallel: Array, wrist_point: Array, signs: Array, deviation: float
-) -> tuple[Any, Array]:
+    lines: AxisLines,
+    parallel: Array,
+    wrist_point: Array,
+    signs: Array,
+    deviation: float,
+    *,
+    swung: Array,
+    reason: str,
+) -> tuple[Any, Array, Array]:
     """The parameters common to both families of arms: axis 1, parallel axes 2 and 3, wrist point, tool.
 
     Args:
@@ -58,12 +65,15 @@ def arm_record(
         wrist_point: The point that axis 6 (and 5) carries, (3,) m.
         signs: Of axes 2, 3 (and 4) along `parallel`.
         deviation: Largest deviation of the axes from the ideal structure, rad or m.
+        swung: The point or axis that axis 3 swings by the forearm, (3,) m.
+        reason: Why there is no closed form if that lies on axis 3.
 
     Returns:
-        A record array (1,) of `ARM` without wrist and limits, and the rows X, Y, Z of body 1, (3, 3).
+        A record array (1,) of `ARM` without wrist and limits; the rows X, Y, Z of body 1, (3, 3); the
+        forearm, (2,) m in [X Y].
 
     Raises:
-        NoAnalyticInverseKinematicsError: axes 1 and 2 are parallel, or axes 2 and 3 are the same line.
+        NoAnalyticInverseKinematicsError: axes 1 and 2 are parallel, or there is no upper arm or forearm.
     """
     record = np.zeros(1, dtype=ARM)
     arm: Any = record[0]
@@ -85,16 +95,9 @@ def arm_record(
     arm['sign_4'] = signs[2] if len(signs) > 2 else 1.0
     arm['rotation_tolerance'] = ROTATION_TOLERANCE
     arm['slack'] = max(REACH_SLACK, SLACK_PER_DEVIATION * deviation)
-    return record, body
-
-
-def set_forearm(record: Any, lines: AxisLines, forearm: Array, reason: str) -> None:
-    """Enter the link that axis 3 swings, (2,) m in [X Y].
-
-    Raises:
-        NoAnalyticInverseKinematicsError: no such link, for `reason`.
-    """
-    record[0]['forearm'], record[0]['forearm_angle'] = _polar(lines, forearm, reason)
+    forearm = (body @ (swung - lines.points[2]))[:2]
+    arm['forearm'], arm['forearm_angle'] = _polar(lines, forearm, reason)
+    return record, body, forearm
 
 
 def set_wrist(record: Any, lines: AxisLines, first: Array, frame: Array) -> None:
