@@ -1,6 +1,6 @@
 """UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from importlib import import_module
 from math import isfinite
@@ -194,13 +194,13 @@ class UrdfRobotModel(BaseRobotModel):
         return self._description
 
     @cached_property
-    def _links(self) -> Array:
-        """The chain for compiled code, see `ChainArrays`."""
-        chain = import_module('robots_core.kernels.serial_chain').SerialChain
+    def _links(self) -> tuple[Array, Callable[..., bool]]:
+        """The chain for compiled code, see `ChainArrays`, and its `tool_poses`."""
+        # Imported on first use: without it no compiled code is needed.
+        chain = import_module('robots_core.kernels.serial_chain')
         zero = np.zeros(self._n)
-        tool0 = Pose(*self.direct_kinematics(zero))
-        links: Array = chain.at_zero(tool0, self.jacobian(zero), self._axes_data.prismatic).arrays
-        return links
+        tool0, J = Pose(*self.direct_kinematics(zero)), self.jacobian(zero)
+        return chain.SerialChain.at_zero(tool0, J, self._axes_data.prismatic).arrays, chain.tool_poses
 
     @cached_property
     def home(self) -> Array:
@@ -236,9 +236,8 @@ class UrdfRobotModel(BaseRobotModel):
     def tool_poses(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.tool_poses`."""
         r, T = np.empty((len(q), 3)), np.empty((len(q), 3, 3))
-        # Imported on first use: without it no compiled code is needed.
-        poses = import_module('robots_core.robot_model.compiled_kinematics').tool_poses
-        if poses(self._links, np.array(q, dtype=np.float64, order='C'), r, T):
+        links, poses = self._links
+        if poses(links, np.array(q, dtype=np.float64, order='C'), r, T):
             return r, T
         return super().tool_poses(q)  # which names what is not finite
 
