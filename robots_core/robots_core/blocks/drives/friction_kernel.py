@@ -20,18 +20,11 @@ MAX_SWEEPS: Final = 200
 
 
 @compiled()
-def add_losses(losses: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
-    """Add losses (3, n), rows reflected inertia, Coulomb and viscous friction, to M and tau_aux."""
-    for j in range(q_dot.size):
-        M[j, j] += losses[0, j]
-        tau_aux[j] += losses[1, j] * np.sign(q_dot[j]) + losses[2, j] * q_dot[j]
-
-
-@compiled()
 def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
     """q_ddot (n,) of M q_ddot = tau - friction of axes at rest, which stand until it is overcome.
 
-    They minimise q_ddot^T M q_ddot / 2 - tau^T q_ddot + sum_j coulomb_j |q_ddot_j|.
+    `losses` (3, n): reflected inertia, which is in M already, Coulomb and viscous friction. The accelerations
+    minimise q_ddot^T M q_ddot / 2 - tau^T q_ddot + sum_j coulomb_j |q_ddot_j|.
     """
     n = tau.size
     q_ddot, hold = tau.copy(), np.zeros(n)

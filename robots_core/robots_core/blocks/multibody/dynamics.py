@@ -72,7 +72,7 @@ class Dynamics(ABC):
 
     @abstractmethod
     def _loaded(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
-        """Mass matrix (n, n) and bias torques (n,), own arrays: bodies, payload and losses (`add_losses`)."""
+        """Mass matrix (n, n) and bias torques (n,), own arrays: bodies, payload and losses."""
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """Torques of the drives for a motion, at the joints.

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.blocks.drives.friction_kernel import add_losses
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.errors import InvalidInputError
@@ -56,8 +55,8 @@ class FunctionDynamics(Dynamics):
         if self._loads:
             self._add_payload(q, q_dot, M, tau_aux)
         if self._loses:
-            self._q_dot[:] = q_dot
-            add_losses(self._losses, self._q_dot, M, tau_aux)
+            M.flat[:: self._n + 1] += self._losses[0]
+            tau_aux += self._friction(q_dot)
         return M, tau_aux
 
     def _add_payload(self, q: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
