@@ -1,42 +1,25 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """How far solids are behind walls, compiled."""
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.nearest_points import Indices
-from robots_core.blocks.collision.distances.placed_solids import SolidArrays
+from robots_core.blocks.collision.distances.nearest_points import Indices, support
+from robots_core.blocks.collision.distances.placed_solids import SolidArrays, box_reach
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import dot, matrix_of, row_of, times, transposed
+from robots_core.kernels.vectors import Vector, dot, row_of
 from robots_core.validation import Array
 
 
-@compiled()
-def _behind(solids: SolidArrays, R: Array, t: Array, s: int, normals: Array, offsets: Array, k: int) -> float:
-    """Distance of wall k from the point of a solid that is farthest along the wall's normal, m."""
-    vertices, corner, disc, half, radius = solids[0][:5]
-    wall = row_of(normals, k)
-    u, v, w = times(transposed(matrix_of(R[s])), wall)
-    farthest = -inf
+@compiled(counted=False)
+def _reach(solids: SolidArrays, R: Array, t: Array, s: int, axis: Vector) -> float:
+    """How far a solid reaches along a unit vector, m; see `box_reach`."""
+    parts, farthest = solids[0], -inf
     for p in range(solids[1][s], solids[1][s + 1]):
-        if disc[p] > 0.0:
-            farthest = max(farthest, disc[p] * sqrt(u * u + v * v) + half[p] * abs(w) + radius[p])
-        for c in range(corner[p], corner[p + 1]):
-            farthest = max(farthest, dot(row_of(vertices, c), (u, v, w)) + radius[p])
-    return float(offsets[k] - dot(row_of(t, s), wall) - farthest)
-
-
-@compiled()
-def _box_behind(
-    solids: SolidArrays, R: Array, t: Array, s: int, normals: Array, offsets: Array, k: int
-) -> float:
-    """`_behind` of the box around a solid."""
-    centres, halves = solids[4], solids[5]
-    wall = row_of(normals, k)
-    u, v, w = times(transposed(matrix_of(R[s])), wall)
-    farthest = dot(row_of(centres, s), (u, v, w)) + dot(row_of(halves, s), (abs(u), abs(v), abs(w)))
-    return float(offsets[k] - dot(row_of(t, s), wall) - farthest)
+        point = support(parts, R, t, p, axis[0], axis[1], axis[2])
+        farthest = max(farthest, dot(point, axis) + parts[4][p])
+    return farthest
 
 
 @compiled()
@@ -59,8 +42,8 @@ def wall_distances(
     result = np.empty((chosen.size, offsets.size))
     for i in range(chosen.size):
         for k in range(offsets.size):
-            distance = _box_behind(solids, R, t, chosen[i], normals, offsets, k)
-            if distance <= enough[i]:
-                distance = _behind(solids, R, t, chosen[i], normals, offsets, k)
-            result[i, k] = distance
+            wall = row_of(normals, k)
+            result[i, k] = offsets[k] - box_reach(solids, R, t, chosen[i], wall)
+            if result[i, k] <= enough[i]:
+                result[i, k] = offsets[k] - _reach(solids, R, t, chosen[i], wall)
     return result

@@ -17,28 +17,17 @@ from robots_core.blocks.collision.distances.placed_solids import (
     PlacedArrays,
     SolidArrays,
     approach,
+    box_reach,
     broad_distance,
     forget_approaches,
     place,
 )
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import Vector, dot, row_of, subtract
+from robots_core.kernels.vectors import dot, subtract
 from robots_core.validation import Array
 
 FINEST = 1e-4  # m of approach; a piece that is not proven to be free with less counts as blocked
 FREE = -1  # in place of a pair
-
-
-@compiled(counted=False)
-def _gap_of_boxes(R: Array, t: Array, boxes: Array, halves: Array, i: int, j: int, axis: Vector) -> float:
-    """Distance of the boxes around solids i and j along a unit vector, from i to j, m; see `gap_along`."""
-    gap = 0.0
-    for s, sign in ((j, 1.0), (i, -1.0)):
-        gap += sign * dot(row_of(t, s), axis)
-        for k in range(3):
-            along = R[s, 0, k] * axis[0] + R[s, 1, k] * axis[1] + R[s, 2, k] * axis[2]
-            gap += sign * boxes[s, k] * along - halves[s, k] * abs(along)
-    return gap
 
 
 @compiled(counted=False)
@@ -82,7 +71,7 @@ def _check_posture(
     forget_approaches(placed)
     solids, first, second = body[0], body[4], body[5]
     R, t, axes, result = placed[2], placed[3], placed[5], placed[8]
-    parts, first_part, boxes, halves = solids[0], solids[1], solids[4], solids[5]
+    first_part = solids[1]
     count = 0
     worst[0] = 0.0
     for p in pairs:
@@ -94,11 +83,8 @@ def _check_posture(
             continue
         x, y, z = axes[p]
         if x * x + y * y + z * z > 0.0:
-            a, b = first_part[i], first_part[j]
-            if (
-                _gap_of_boxes(R, t, boxes, halves, i, j, (x, y, z)) > enough
-                or gap_along(parts, R, t, a, b, x, y, z) > enough
-            ):
+            between = -box_reach(solids, R, t, j, (-x, -y, -z)) - box_reach(solids, R, t, i, (x, y, z))
+            if between > enough or gap_along(solids[0], R, t, first_part[i], first_part[j], x, y, z) > enough:
                 continue
         if lower > margins[p] and moved > FINEST:
             # Bounds on the halves of the interval cost less than the distance.

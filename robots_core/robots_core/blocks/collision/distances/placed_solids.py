@@ -5,7 +5,17 @@ from math import sqrt
 from robots_core.blocks.collision.distances.nearest_points import Indices, PartArrays
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, next_frame
-from robots_core.kernels.vectors import Vector, add, dot, matrix_of, product, row_of, subtract, times
+from robots_core.kernels.vectors import (
+    Vector,
+    add,
+    dot,
+    matrix_of,
+    product,
+    row_of,
+    subtract,
+    times,
+    transposed,
+)
 from robots_core.validation import Array
 
 SolidArrays = tuple[PartArrays, Indices, Array, Array, Array, Array, Indices, Array, Array]
@@ -81,6 +91,14 @@ def _outside(body: BodyArrays, placed: PlacedArrays, s: int, point: Vector) -> f
         if outside > 0.0:
             squared += outside * outside
     return sqrt(squared)
+
+
+@compiled(counted=False)
+def box_reach(solids: SolidArrays, R: Array, t: Array, s: int, axis: Vector) -> float:
+    """How far the box around solid s, placed at R (s, 3, 3) and t (s, 3), reaches along a unit vector, m."""
+    x, y, z = times(transposed(matrix_of(R[s])), axis)
+    half: float = dot(row_of(solids[5], s), (abs(x), abs(y), abs(z)))
+    return dot(row_of(t, s), axis) + dot(row_of(solids[4], s), (x, y, z)) + half
 
 
 @compiled(counted=False)
