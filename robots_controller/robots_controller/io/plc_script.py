@@ -166,15 +166,7 @@ def _trigger(item: YamlSection, signals: Mapping[str, Channel]) -> tuple[Compari
             f"'analog_output.1 above 2.5', 'analog_output.1 below 2.5', 'start' and 'every 5 s'",
             'when',
         )
-    line = item.line_of('when')
-    channel = channel_at(item, match[1], line, signals)
-    if match[2] == 'changes':
-        return Comparison(channel, 'changes'), math.inf
-    if match[2]:
-        if channel.kind == 'analog':
-            raise item.error(f'{match[1]} is analog; it can be above or below a number, or change', 'when')
-        return Comparison(channel, 'is', float(match[2] == 'rises')), math.inf
-    return _bound(item, channel, match[3], match[4], line), math.inf
+    return _comparison(item, match, item.line_of('when'), signals), math.inf
 
 
 def _condition(item: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Comparison:
@@ -186,18 +178,24 @@ def _condition(item: YamlSection, text: str, line: int, signals: Mapping[str, Ch
             f"if is {text!r}; valid are 'input is on', 'input is off', 'analog_output.1 above 2.5' and "
             f"'analog_output.1 below 2.5'",
         )
-    channel = channel_at(item, match[1], line, signals)
-    if match[2]:
-        if channel.kind == 'analog':
-            raise located(item.file, line, f'{match[1]} is analog; it can be above or below a number')
-        return Comparison(channel, 'is', float(match[2] == 'on'))
-    return _bound(item, channel, match[3], match[4], line)
+    return _comparison(item, match, line, signals)
 
 
-def _bound(item: YamlSection, channel: Channel, relation: str, text: str, line: int) -> Comparison:
+def _comparison(
+    item: YamlSection, match: re.Match[str], line: int, signals: Mapping[str, Channel]
+) -> Comparison:
+    name, word, relation, bound = match.groups()
+    channel = channel_at(item, name, line, signals)
+    if word == 'changes':
+        return Comparison(channel, 'changes')
+    if word and channel.kind == 'analog':
+        change = '' if word in ('on', 'off') else ', or change'
+        raise located(item.file, line, f'{name} is analog; it can be above or below a number{change}')
+    if word:
+        return Comparison(channel, 'is', float(word in ('rises', 'on')))
     if channel.kind == 'digital':
         raise located(item.file, line, f'{channel.name} is digital; it can rise, fall, change, be on or off')
-    return Comparison(channel, 'above' if relation == 'above' else 'below', _number(item, text, line))
+    return Comparison(channel, 'above' if relation == 'above' else 'below', _number(item, bound, line))
 
 
 def _setting(section: YamlSection, key: str, signals: Mapping[str, Channel]) -> tuple[Channel, float]:

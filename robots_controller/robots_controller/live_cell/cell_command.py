@@ -6,12 +6,14 @@ import os
 import signal
 from collections.abc import Sequence
 from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
+from typing import Final
 from uuid import uuid4
 
 from rich.console import Console
 
-from robots_controller.commands.cell_arguments import CELL_OPTIONS, FILES
+from robots_controller.commands.cell_arguments import FILES
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
 from robots_controller.commands.command_table import CELL
 from robots_controller.editor.debug_adapter_server import new_token
@@ -24,23 +26,8 @@ from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.running.middleware import choose_transports
 
-GRAPH_OPTIONS = (
-    *CELL_OPTIONS,
-    'program',
-    'driver',
-    'watchdog',
-    'port',
-    'debug_port',
-    'pendant',
-    'opcua',
-    'opcua_access',
-    'host',
-    'password_file',
-    'record',
-    'lockstep',
-    'composed',
-    'headless',
-)
+GRAPH_OPTIONS: Final = signature(cell_graph).parameters.keys() - {'autostart', 'launch', 'debug_token'}
+"""Options of the command that the graph follows from."""
 
 
 def start(options: argparse.Namespace, console: Console) -> int:

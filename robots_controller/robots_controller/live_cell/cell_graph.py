@@ -34,6 +34,9 @@ PAGE_PORTS: Final = 10
 """Ports between those that are tried for the 3D view and those for the operator's page."""
 KEEP_TIME: Final = ('drive_node', 'hardware_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
+ALONE: Final = ('pendant_node', 'opcua_node')
+"""Nodes that share no process: one has a web application, of which a process can have one, the other makes
+its address space for seconds."""
 POSE_RATE: Final = 50.0
 """Of the tool's pose at most, Hz; never higher than that of references."""
 
@@ -176,11 +179,9 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
-    primitives = False
-    if driver:
-        primitives = read_driver(driver).primitives is not None
-        if lockstep or orbit:
-            raise OptionError('a real robot (driver) excludes lock-step and orbits')
+    primitives = bool(driver) and read_driver(driver).primitives is not None
+    if driver and (lockstep or orbit):
+        raise OptionError('a real robot (driver) excludes lock-step and orbits')
     if primitives:
         _check_for_primitives(
             scene=scene,
@@ -195,104 +196,96 @@ def cell_graph(
         read_contact(contact)
     if cabin:
         read_cabin(cabin)
-    watched = {'watchdog': checked_watchdog(watchdog)}
-    # In lock-step the controller is that of a simulation.
-    feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
     if guided and guided not in METHODS:
         raise OptionError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
-    tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    # The run button is not needed while time stands still.
-    held = {'hold_timeout': 0.0} if lockstep else {}
-    mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
-    capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map, orbit=orbit)
     if lockstep:
         cell_io.io_map.check_simulated_time()
     if primitives and cell_io.emergency_stop:
         raise OptionError(_EMERGENCY_STOP_OF_PRIMITIVES.format(', '.join(cell_io.emergency_stop)))
+    access = read_access(host, password_file)
+    if opcua and opcua_access:
+        read_server_settings(opcua_access)
     source = _source_of_emergency_stop(cell_io)
-    stopping = {
-        'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or [''],
-        'emergency_stop_source': source,
-    }
     # In lock-step nobody is missed: a run ends without one of its participants.
     awaited = [] if lockstep else [*(['collision_node'] if scene else []), *([source] if source else [])]
-    expected = {'expected_nodes': awaited} if awaited else {}
-    labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
-    names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
+    fail_safe = fail_safe_texts(cell_io.fail_safe) or ['']
+    names = {f'{image.removesuffix("s")}_names': list(names) for image, names in cell_io.labels.items()}
     zones = read_scene(scene).zones if scene else ()
-    zoned = {'scene': scene, 'zone_inputs': closing_texts(closing_inputs(zones, cell_io.signals)) or ['']}
-    drives = {'rate': rate, 'level': drive, 'payload': list(payload)} | ({'orbit': orbit} if orbit else {})
-    played = {'references': references, 'cabin': cabin}
-    plc_cycle = {'cycle': 1.0 / rate} if lockstep else {}
+    closing = closing_texts(closing_inputs(zones, cell_io.signals)) or ['']
+    watched = {'watchdog': checked_watchdog(watchdog)}
+    programs = str(Path(program).parent) if program else None
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
-        time = {'lockstep': True} if lockstep else {}
-        shared = composed and (lockstep or executable not in KEEP_TIME)
-        process = COMPOSED if shared else executable
-        return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters}, process)
+        """A node; parameters that are None have their defaults."""
+        shared = composed and executable not in ALONE and (lockstep or executable not in KEEP_TIME)
+        given = {'robot_model': robot, 'lockstep': lockstep or None, **parameters}
+        given = {name: value for name, value in given.items() if value is not None}
+        return NodeDescription(package, executable, given, COMPOSED if shared else executable)
 
-    access = read_access(host, password_file)
+    drives = {'rate': rate, 'level': drive, 'payload': list(payload), 'orbit': orbit or None}
+    controller = node(
+        'robots_controller',
+        'controller_node',
+        rate=rate,
+        launch=launch,
+        goal_tolerance=goal_tolerance,
+        tool_speed_limit=checked_speed_limit(tool_speed_limit) if tool_speed_limit else None,
+        operating_mode=OperatingMode(operating_mode).value,
+        # The run button is not needed while time stands still.
+        hold_timeout=0.0 if lockstep else None,
+        emergency_stop_inputs=emergency_stop_texts(cell_io.emergency_stop) or [''],
+        emergency_stop_source=source,
+        expected_nodes=awaited or None,
+        scene=scene if zones else None,
+        zone_inputs=closing if zones else None,
+        # In lock-step the controller is that of a simulation.
+        feedback_timeout=None if lockstep else watchdog or LONGEST,
+        **watched,
+    )
+    program_node = node(
+        'robots_controller',
+        'lua_program_node',
+        program=program,
+        frames_file=frames,
+        autostart=autostart,
+        launch=launch,
+        debug_port=debug_port,
+        debug_token=debug_token,
+        payload=list(payload),
+        fail_safe=fail_safe,
+        expected_nodes=awaited or None,
+        driver=driver if primitives else None,
+        **watched,
+        **names,
+    )
     page = {'host': access.host, 'password_file': password_file, 'recordings': str(record or 'out')}
-    bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
-    moving = (
-        node('robots_core', 'hardware_node', rate=rate, driver=driver, **watched)
-        if driver
-        else node('robots_core', 'drive_node', **drives, **watched),
-        node(
-            'robots_controller',
-            'controller_node',
-            rate=rate,
-            launch=launch,
-            **tolerance,
-            **capped,
-            **mode,
-            **stopping,
-            **expected,
-            **(zoned if zones else {}),
-            **watched,
-            **feedback,
+    page_port = port and port + PAGE_PORTS
+    own, core = 'robots_controller', 'robots_core'
+    nodes = (
+        (not driver, node(core, 'drive_node', **drives, **watched)),
+        (driver and not primitives, node(core, 'hardware_node', rate=rate, driver=driver, **watched)),
+        (not primitives, controller),
+        (
+            not primitives,
+            node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         ),
-        node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
+        (True, program_node),
+        (True, node(core, 'direct_kinematics_node', rate=min(POSE_RATE, rate))),
+        (True, node(core, 'robot_state_node')),
+        (not headless, node(core, 'visualizer_node', port=port, scene=scene)),
+        (guided, node(core, 'inverse_kinematics_node', method=guided)),
+        (references, node(own, 'guide_player_node', references=references, cabin=cabin)),
+        (cabin, node(core, 'motion_cueing_node', cabin=cabin)),
+        (contact, node(own, 'wheel_soil_node', contact=contact)),
+        (contact, node(own, 'force_control_node', contact=contact)),
+        (scene, node(core, 'collision_node', scene=scene)),
+        (io, node(own, 'plc_node', script=io, cycle=1.0 / rate if lockstep else None)),
+        (io_map, node(own, 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)),
+        (pendant, node(own, 'pendant_node', port=page_port, scene=scene, programs=programs, **page)),
+        (opcua, node(own, 'opcua_node', port=opcua, access=opcua_access, programs=programs)),
     )
-    return (
-        *(() if primitives else moving),
-        node(
-            'robots_controller',
-            'lua_program_node',
-            program=program,
-            frames_file=frames,
-            autostart=autostart,
-            launch=launch,
-            debug_port=debug_port,
-            debug_token=debug_token,
-            payload=list(payload),
-            fail_safe=fail_safe,
-            **expected,
-            **({'driver': driver} if primitives else {}),
-            **watched,
-            **names,
-        ),
-        node('robots_core', 'direct_kinematics_node', rate=min(POSE_RATE, rate)),
-        node('robots_core', 'robot_state_node'),
-        *([] if headless else [node('robots_core', 'visualizer_node', port=port, scene=scene)]),
-        *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
-        *([node('robots_controller', 'guide_player_node', **played)] if references else []),
-        *([node('robots_core', 'motion_cueing_node', cabin=cabin)] if cabin else []),
-        *(
-            [
-                node('robots_controller', name, contact=contact)
-                for name in ('wheel_soil_node', 'force_control_node')
-            ]
-            if contact
-            else []
-        ),
-        *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
-        *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
-        *([bridge] if io_map else []),
-        *([_pendant(robot, program, port, scene, page)] if pendant else []),
-        *([_opcua(robot, program, opcua, opcua_access)] if opcua else []),
-    )
+    return tuple(one for wanted, one in nodes if wanted)
 
 
 def _check_for_primitives(**options: object) -> None:
@@ -311,21 +304,3 @@ def _source_of_emergency_stop(cell_io: CellIo) -> str:
         return ''
     by_script = any(channel.image == 'digital_inputs' for channel in cell_io.script.inputs)
     return 'plc_node' if by_script else 'io_bridge_node'
-
-
-def _pendant(robot: str, program: str, port: int, scene: str, page: dict[str, str]) -> NodeDescription:
-    # In a process of its own: there is one web application in a process, and others must not wait for it.
-    parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS, 'scene': scene}
-    return NodeDescription('robots_controller', 'pendant_node', parameters | page | _folder_of(program))
-
-
-def _opcua(robot: str, program: str, port: int, access: str) -> NodeDescription:
-    # In a process of its own: making the address space takes seconds, and others must not wait for it.
-    if access:
-        read_server_settings(access)
-    parameters = {'robot_model': robot, 'port': port, 'access': access}
-    return NodeDescription('robots_controller', 'opcua_node', parameters | _folder_of(program))
-
-
-def _folder_of(program: str) -> dict[str, str]:
-    return {'programs': str(Path(program).parent)} if program else {}
