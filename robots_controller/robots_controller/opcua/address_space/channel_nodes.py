@@ -57,9 +57,11 @@ class ChannelNodes:
             Member(channel.name, 0, 'variable', kind),
             ua.QualifiedName(channel.name, self._made.writer.own),
             label=channel.label,
-            writable=channel.direction == 'output',
         )
-        self._channels[self._made.id(path)] = channel
+        node = self._made.id(path)
+        self._channels[node] = channel
+        if channel.direction == 'output':  # for users that may operate
+            await self._made.writer.server.get_node(node).set_writable()
 
     async def take_written(self, port: RobotPort, nodes: list[Any], answers: list[Any]) -> list[str]:
         """Pass on what a client has written; what is refused is answered so.
@@ -92,8 +94,5 @@ class ChannelNodes:
 def _code(error: RobotsError) -> Any:
     if isinstance(error, NoAnswerError):
         return ua.StatusCodes.BadNoCommunication
-    return (
-        ua.StatusCodes.BadOutOfRange
-        if isinstance(error, InvalidInputError)
-        else ua.StatusCodes.BadInvalidState
-    )
+    invalid = isinstance(error, InvalidInputError)
+    return ua.StatusCodes.BadOutOfRange if invalid else ua.StatusCodes.BadInvalidState

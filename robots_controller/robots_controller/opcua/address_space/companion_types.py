@@ -59,6 +59,10 @@ class ObjectType:
     abstract: bool = False
 
 
+def _type(number: int, base: str, *members: Member, abstract: bool = False) -> ObjectType:
+    return ObjectType(number, base, members, abstract)
+
+
 def _properties(serial: int, maker: int, model: int, code: int) -> tuple[Member, ...]:
     return (
         Member('di:Manufacturer', maker, 'property', 'ua:LocalizedText'),
@@ -68,8 +72,8 @@ def _properties(serial: int, maker: int, model: int, code: int) -> tuple[Member,
     )
 
 
-def _folder(name: str, number: int, *, optional: bool = False) -> Member:
-    return Member(name, number, 'object', 'ua:FolderType', optional=optional)
+def _objects(type_name: str, **numbers: int) -> tuple[Member, ...]:
+    return tuple(Member(name, number, 'object', type_name) for name, number in numbers.items())
 
 
 def _parameters(number: int, *members: Member) -> Member:
@@ -89,14 +93,6 @@ def _state_machine(transition: int, reason: int) -> tuple[Member, ...]:
     )
 
 
-def _state(name: str, number: int) -> Member:
-    return Member(name, number, 'object', 'ua:StateType')
-
-
-def _transition(name: str, number: int) -> Member:
-    return Member(name, number, 'object', 'ua:TransitionType')
-
-
 _DIRECTORY_METHODS: Final = (
     Member('ua:CreateDirectory', 7015, 'method'),
     Member('ua:CreateFile', 7016, 'method'),
@@ -105,189 +101,147 @@ _DIRECTORY_METHODS: Final = (
 )
 
 OBJECT_TYPES: Final[Mapping[str, ObjectType]] = {
-    'di:TopologyElementType': ObjectType(
+    'di:TopologyElementType': _type(
         1001,
         'ua:BaseObjectType',
-        (Member('di:ParameterSet', 5002, 'object', 'ua:BaseObjectType', optional=True),),
+        Member('di:ParameterSet', 5002, 'object', 'ua:BaseObjectType', optional=True),
         abstract=True,
     ),
-    'di:ComponentType': ObjectType(15063, 'di:TopologyElementType', abstract=True),
-    'di:DeviceType': ObjectType(1002, 'di:ComponentType', abstract=True),
-    'di:SoftwareType': ObjectType(
+    'di:ComponentType': _type(15063, 'di:TopologyElementType', abstract=True),
+    'di:DeviceType': _type(1002, 'di:ComponentType', abstract=True),
+    'di:SoftwareType': _type(
         15106,
         'di:ComponentType',
-        (
-            Member('di:Manufacturer', 15129, 'property', 'ua:LocalizedText'),
-            Member('di:Model', 15131, 'property', 'ua:LocalizedText'),
-            Member('di:SoftwareRevision', 15133, 'property', 'ua:String'),
-        ),
+        Member('di:Manufacturer', 15129, 'property', 'ua:LocalizedText'),
+        Member('di:Model', 15131, 'property', 'ua:LocalizedText'),
+        Member('di:SoftwareRevision', 15133, 'property', 'ua:String'),
     ),
-    'MotionDeviceSystemType': ObjectType(
+    'MotionDeviceSystemType': _type(
         1002,
         'di:ComponentType',
-        (
-            _folder('MotionDevices', 5002),
-            _folder('Controllers', 5001),
-            _folder('SafetyStates', 5010),
-            Member('di:ComponentName', 6171, 'property', 'ua:LocalizedText', optional=True),
-        ),
+        *_objects('ua:FolderType', MotionDevices=5002, Controllers=5001, SafetyStates=5010),
+        Member('di:ComponentName', 6171, 'property', 'ua:LocalizedText', optional=True),
     ),
-    'MotionDeviceType': ObjectType(
+    'MotionDeviceType': _type(
         1004,
         'di:ComponentType',
-        (
-            *_properties(serial=16354, maker=16351, model=16353, code=16359),
-            Member('MotionDeviceCategory', 16362, 'property', 'MotionDeviceCategoryEnumeration'),
-            _parameters(
-                5029,
-                Member('InControl', 16364, 'variable', 'ua:Boolean', optional=True),
-                Member('SpeedOverride', 16365, 'variable', 'ua:Double'),
-            ),
-            _folder('Axes', 15305),
-            _folder('PowerTrains', 16443),
-            Member('FlangeLoad', 5091, 'object', 'LoadType', optional=True),
-            Member('TaskControlReference', 6001, 'property', 'ua:NodeId'),
+        *_properties(serial=16354, maker=16351, model=16353, code=16359),
+        Member('MotionDeviceCategory', 16362, 'property', 'MotionDeviceCategoryEnumeration'),
+        _parameters(
+            5029,
+            Member('InControl', 16364, 'variable', 'ua:Boolean', optional=True),
+            Member('SpeedOverride', 16365, 'variable', 'ua:Double'),
         ),
+        *_objects('ua:FolderType', Axes=15305, PowerTrains=16443),
+        Member('FlangeLoad', 5091, 'object', 'LoadType', optional=True),
+        Member('TaskControlReference', 6001, 'property', 'ua:NodeId'),
     ),
-    'AxisType': ObjectType(
+    'AxisType': _type(
         16601,
         'di:ComponentType',
-        (
-            Member('MotionProfile', 16637, 'property', 'AxisMotionProfileEnumeration'),
-            _parameters(
-                16602,
-                _analog('ActualPosition', 16662),
-                _analog('ActualSpeed', 16668, optional=True),
-            ),
+        Member('MotionProfile', 16637, 'property', 'AxisMotionProfileEnumeration'),
+        _parameters(
+            16602,
+            _analog('ActualPosition', 16662),
+            _analog('ActualSpeed', 16668, optional=True),
         ),
     ),
-    'PowerTrainType': ObjectType(16794, 'di:ComponentType'),
-    'MotorType': ObjectType(
+    'PowerTrainType': _type(16794, 'di:ComponentType'),
+    'MotorType': _type(
         1019,
         'di:ComponentType',
-        (
-            *_properties(serial=17104, maker=17101, model=17103, code=17109),
-            _parameters(
-                5105,
-                _analog('MotorTemperature', 6757),
-                Member('EffectiveLoadRate', 6776, 'variable', 'ua:UInt16', optional=True),
-            ),
+        *_properties(serial=17104, maker=17101, model=17103, code=17109),
+        _parameters(
+            5105,
+            _analog('MotorTemperature', 6757),
+            Member('EffectiveLoadRate', 6776, 'variable', 'ua:UInt16', optional=True),
         ),
     ),
-    'GearType': ObjectType(
+    'GearType': _type(
         1022,
         'di:ComponentType',
-        (
-            *_properties(serial=17155, maker=17152, model=17154, code=17160),
-            Member('GearRatio', 15941, 'variable', 'ua:RationalNumber', 'ua:RationalNumberType'),
-        ),
+        *_properties(serial=17155, maker=17152, model=17154, code=17160),
+        Member('GearRatio', 15941, 'variable', 'ua:RationalNumber', 'ua:RationalNumberType'),
     ),
-    'SafetyStateType': ObjectType(
+    'SafetyStateType': _type(
         1013,
         'di:ComponentType',
-        (
-            _parameters(
-                5016,
-                Member('OperationalMode', 15912, 'variable', 'OperationalModeEnumeration'),
-                Member('EmergencyStop', 15882, 'variable', 'ua:Boolean'),
-                Member('ProtectiveStop', 15913, 'variable', 'ua:Boolean'),
-            ),
+        _parameters(
+            5016,
+            Member('OperationalMode', 15912, 'variable', 'OperationalModeEnumeration'),
+            Member('EmergencyStop', 15882, 'variable', 'ua:Boolean'),
+            Member('ProtectiveStop', 15913, 'variable', 'ua:Boolean'),
         ),
     ),
-    'ControllerType': ObjectType(
+    'ControllerType': _type(
         1003,
         'di:ComponentType',
-        (
-            *_properties(serial=17240, maker=17237, model=17239, code=17245),
-            Member('CurrentUser', 17249, 'object', 'UserType'),
-            _folder('Components', 17252, optional=True),
-            _folder('Software', 15800),
-            _folder('TaskControls', 15826),
-            Member(
-                'Programs', 5054, 'object', 'ua:FileDirectoryType', optional=True, members=_DIRECTORY_METHODS
-            ),
-            _parameters(5004, Member('StartUpTime', 15366, 'variable', 'ua:DateTime', optional=True)),
-        ),
+        *_properties(serial=17240, maker=17237, model=17239, code=17245),
+        Member('CurrentUser', 17249, 'object', 'UserType'),
+        Member('Components', 17252, 'object', 'ua:FolderType', optional=True),
+        *_objects('ua:FolderType', Software=15800, TaskControls=15826),
+        Member('Programs', 5054, 'object', 'ua:FileDirectoryType', optional=True, members=_DIRECTORY_METHODS),
+        _parameters(5004, Member('StartUpTime', 15366, 'variable', 'ua:DateTime', optional=True)),
     ),
-    'AuxiliaryComponentType': ObjectType(
-        17725, 'di:DeviceType', (Member('di:ProductCode', 17756, 'property', 'ua:String'),)
+    'AuxiliaryComponentType': _type(
+        17725, 'di:DeviceType', Member('di:ProductCode', 17756, 'property', 'ua:String')
     ),
-    'TaskControlType': ObjectType(
+    'TaskControlType': _type(
         1011,
         'di:ComponentType',
-        (
-            Member('di:ComponentName', 17873, 'property', 'ua:LocalizedText'),
-            _parameters(
-                15883,
-                Member('TaskProgramName', 17874, 'variable', 'ua:String'),
-                Member('TaskProgramLoaded', 17875, 'variable', 'ua:Boolean'),
-                Member('ExecutionMode', 17876, 'variable', 'ExecutionModeEnumeration', optional=True),
-            ),
-            Member('TaskControlOperation', 5052, 'object', 'TaskControlOperationType', optional=True),
+        Member('di:ComponentName', 17873, 'property', 'ua:LocalizedText'),
+        _parameters(
+            15883,
+            Member('TaskProgramName', 17874, 'variable', 'ua:String'),
+            Member('TaskProgramLoaded', 17875, 'variable', 'ua:Boolean'),
+            Member('ExecutionMode', 17876, 'variable', 'ExecutionModeEnumeration', optional=True),
         ),
+        Member('TaskControlOperation', 5052, 'object', 'TaskControlOperationType', optional=True),
     ),
-    'TaskControlOperationType': ObjectType(
+    'TaskControlOperationType': _type(
         1008,
         'ua:BaseObjectType',
-        (
-            Member('MotionDevicesUnderControl', 6131, 'property', 'ua:NodeId', optional=True, is_list=True),
-            Member('TaskControlStateMachine', 5051, 'object', 'TaskControlStateMachineType'),
-        ),
+        Member('MotionDevicesUnderControl', 6131, 'property', 'ua:NodeId', optional=True, is_list=True),
+        Member('TaskControlStateMachine', 5051, 'object', 'TaskControlStateMachineType'),
     ),
-    'OperationStateMachineType': ObjectType(
+    'OperationStateMachineType': _type(
         1006,
         'ua:FiniteStateMachineType',
-        (
-            *_state_machine(6005, 6007),
-            Member('PossibleStopModes', 6008, 'variable', 'ua:EnumValueType', optional=True, is_list=True),
-            Member('ConfiguredDefaultStopMode', 6009, 'variable', 'ua:Int16', optional=True),
-            _state('Idle', 5005),
-            _state('Ready', 5006),
-            _state('Executing', 5007),
-            _transition('ReadyToIdle', 5008),
-            _transition('IdleToReady', 5009),
-            _transition('ExecutingToReady', 5011),
-            _transition('ReadyToExecuting', 5012),
-            _transition('ExecutingToIdle', 5013),
-            _transition('IdleToIdle', 5014),
-            Member('Start', 7001, 'method', optional=True),
-            Member('Stop', 7002, 'method', optional=True),
-        ),
+        *_state_machine(6005, 6007),
+        Member('PossibleStopModes', 6008, 'variable', 'ua:EnumValueType', optional=True, is_list=True),
+        Member('ConfiguredDefaultStopMode', 6009, 'variable', 'ua:Int16', optional=True),
+        *_objects('ua:StateType', Idle=5005, Ready=5006, Executing=5007),
+        *_objects('ua:TransitionType', ReadyToIdle=5008, IdleToReady=5009, ExecutingToReady=5011),
+        *_objects('ua:TransitionType', ReadyToExecuting=5012, ExecutingToIdle=5013, IdleToIdle=5014),
+        Member('Start', 7001, 'method', optional=True),
+        Member('Stop', 7002, 'method', optional=True),
         abstract=True,
     ),
-    'TaskControlStateMachineType': ObjectType(
+    'TaskControlStateMachineType': _type(
         1025,
         'OperationStateMachineType',
-        (
-            Member('ReadySubstateMachine', 5039, 'object', 'ReadySubstateMachineType', optional=True),
-            Member('LoadByNodeId', 7010, 'method', optional=True),
-            Member('LoadByName', 7011, 'method', optional=True),
-            Member('UnloadProgram', 7012, 'method', optional=True),
-            Member('UnloadByNodeId', 7013, 'method', optional=True),
-            Member('UnloadByName', 7014, 'method', optional=True),
-        ),
+        Member('ReadySubstateMachine', 5039, 'object', 'ReadySubstateMachineType', optional=True),
+        Member('LoadByNodeId', 7010, 'method', optional=True),
+        Member('LoadByName', 7011, 'method', optional=True),
+        Member('UnloadProgram', 7012, 'method', optional=True),
+        Member('UnloadByNodeId', 7013, 'method', optional=True),
+        Member('UnloadByName', 7014, 'method', optional=True),
     ),
-    'ReadySubstateMachineType': ObjectType(
+    'ReadySubstateMachineType': _type(
         1012,
         'ua:FiniteStateMachineType',
-        (
-            *_state_machine(6044, 6046),
-            _state('AtProgramStart', 5023),
-            _state('Suspended', 5024),
-            _transition('ProgramStartToSuspended', 5025),
-            _transition('SuspendedToProgramStart', 5026),
-            Member('ResetToProgramStart', 7003, 'method', optional=True),
-        ),
+        *_state_machine(6044, 6046),
+        *_objects('ua:StateType', AtProgramStart=5023, Suspended=5024),
+        *_objects('ua:TransitionType', ProgramStartToSuspended=5025, SuspendedToProgramStart=5026),
+        Member('ResetToProgramStart', 7003, 'method', optional=True),
     ),
-    'LoadType': ObjectType(
+    'LoadType': _type(
         1018,
         'ua:BaseObjectType',
-        (
-            _analog('Mass', 6723),
-            Member('CenterOfMass', 6013, 'variable', 'ua:ThreeDFrame', 'ua:ThreeDFrameType', optional=True),
-        ),
+        _analog('Mass', 6723),
+        Member('CenterOfMass', 6013, 'variable', 'ua:ThreeDFrame', 'ua:ThreeDFrameType', optional=True),
     ),
-    'UserType': ObjectType(18175, 'ua:BaseObjectType', (Member('Level', 18176, 'property', 'ua:String'),)),
+    'UserType': _type(18175, 'ua:BaseObjectType', Member('Level', 18176, 'property', 'ua:String')),
 }
 """By name, in an order in which each comes after its base."""
 

@@ -28,16 +28,8 @@ PARTS: Final[Mapping[str, tuple[tuple[str, Kind, str], ...]]] = {
     'ua:FiniteStateVariableType': (('Id', 'property', 'NodeId'),),
     'ua:FiniteTransitionVariableType': (('Id', 'property', 'NodeId'),),
     'ua:RationalNumberType': (('Numerator', 'variable', 'Int32'), ('Denominator', 'variable', 'UInt32')),
-    'ua:ThreeDCartesianCoordinatesType': (
-        ('X', 'variable', 'Double'),
-        ('Y', 'variable', 'Double'),
-        ('Z', 'variable', 'Double'),
-    ),
-    'ua:ThreeDOrientationType': (
-        ('A', 'variable', 'Double'),
-        ('B', 'variable', 'Double'),
-        ('C', 'variable', 'Double'),
-    ),
+    'ua:ThreeDCartesianCoordinatesType': tuple((name, 'variable', 'Double') for name in 'XYZ'),
+    'ua:ThreeDOrientationType': tuple((name, 'variable', 'Double') for name in 'ABC'),
     'ua:ThreeDFrameType': (
         ('CartesianCoordinates', 'variable', 'ThreeDCartesianCoordinates'),
         ('Orientation', 'variable', 'ThreeDOrientation'),
@@ -142,10 +134,9 @@ class NodeWriter:
         member: Member,
         value: Any = None,
         *,
-        writable: bool = False,
         label: str = '',
     ) -> None:
-        """Add a variable or property; its value is null until it is known.
+        """Add a variable or property that clients may read; its value is null until it is known.
 
         Args:
             node: Its id.
@@ -153,7 +144,6 @@ class NodeWriter:
             parent: What it belongs to.
             member: Its class, data type and type.
             value: A variant, or None.
-            writable: For users that may operate.
             label: Shown to a person; the browse name by default.
         """
         attributes = ua.VariableAttributes()
@@ -161,8 +151,6 @@ class NodeWriter:
         attributes.Value = value or ua.Variant(None, ua.VariantType.Null)
         attributes.ValueRank = ua.ValueRank.OneDimension if member.is_list else ua.ValueRank.Scalar
         attributes.ArrayDimensions = [0] if member.is_list else None
-        access = ua.AccessLevel.CurrentRead.mask | (ua.AccessLevel.CurrentWrite.mask if writable else 0)
-        attributes.AccessLevel = attributes.UserAccessLevel = access
         is_property = member.kind == 'property'
         await self.add(
             node,
