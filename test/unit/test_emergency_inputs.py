@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from robots_controller.io.cell_io import read_cell_io
-from robots_controller.io.emergency_inputs import emergency_stop_texts, parse_emergency_stop
+from robots_controller.io.emergency_inputs import emergency_reason, emergency_stop_texts, parse_emergency_stop
 from robots_controller.io.io_image import Channel
 from robots_controller.io.unknown_inputs import unknown_inputs, unknown_label
 from robots_core.errors import InvalidInputError, RobotsError
@@ -34,15 +34,18 @@ def test_the_inputs_of_a_file_stop_at_their_values(tmp_path: Path) -> None:
     io = read_cell_io(written(tmp_path, PLC + 'rules: []'))
     assert dict(io.emergency_stop) == {'digital_input.2': 0}
     inputs = parse_emergency_stop([*emergency_stop_texts(io.emergency_stop), 'digital_input.3=on', ''])
-    assert inputs.reason([0, 1, 0]) == ''
-    assert inputs.reason([1, 0, 0]) == 'emergency stop by digital_input.2'
-    assert inputs.reason([1, 0, 1]) == 'emergency stop by digital_input.2, digital_input.3'
+    assert emergency_reason(inputs, [0, 1, 0]) == ''
+    assert emergency_reason(inputs, [1, 0, 0]) == 'emergency stop by digital_input.2'
+    assert emergency_reason(inputs, [1, 0, 1]) == 'emergency stop by digital_input.2, digital_input.3'
 
 
 def test_an_input_that_the_image_does_not_have_stops_as_its_value_is_unknown() -> None:
     inputs = parse_emergency_stop(['digital_input.2=off', 'digital_input.3=on'])
-    assert inputs.reason([0, 1]) == 'emergency stop by digital_input.3 (unknown: digital_inputs is too short)'
-    assert inputs.reason([]).count('digital_inputs is too short') == 2
+    assert (
+        emergency_reason(inputs, [0, 1])
+        == 'emergency stop by digital_input.3 (unknown: digital_inputs is too short)'
+    )
+    assert emergency_reason(inputs, []).count('digital_inputs is too short') == 2
 
 
 def test_an_input_without_a_value_of_the_plc_stops_with_why() -> None:
@@ -53,11 +56,11 @@ def test_an_input_without_a_value_of_the_plc_stops_with_why() -> None:
     }
     unknown = unknown_inputs([unknown_label(why), 'digital_input.1..3', ''])
     assert unknown == {2: 'Modbus plc:502 has sent no value yet'}
-    assert inputs.reason([0, 0, 1], unknown) == (
+    assert emergency_reason(inputs, [0, 0, 1], unknown) == (
         'emergency stop by digital_input.2 (unknown: Modbus plc:502 has sent no value yet)'
     )
-    assert inputs.reason([0, 0, 0], unknown).endswith('sent no value yet), digital_input.3')
-    assert inputs.reason([0, 1, 1], unknown) == ''
+    assert emergency_reason(inputs, [0, 0, 0], unknown).endswith('sent no value yet), digital_input.3')
+    assert emergency_reason(inputs, [0, 1, 1], unknown) == ''
 
 
 def test_an_input_that_nothing_sets_is_refused_with_those_that_are_set(tmp_path: Path) -> None:

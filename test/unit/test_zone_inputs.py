@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs, closing_texts, parse_closing
+from robots_controller.io.zone_inputs import closed_zones, closing_inputs, closing_texts, parse_closing
 from robots_core.blocks import Zone
 from robots_core.errors import InvalidInputError
 
@@ -18,11 +18,11 @@ SIGNALS = {'free': Channel('digital', 'input', 2, 'free')}
 def test_inputs_close_zones_as_the_scene_says() -> None:
     closing = closing_inputs(ZONES, SIGNALS)
     assert closing == {'press': {1: 0}, 'other': {2: 0, 3: 1}}
-    for inputs in (ZoneInputs(closing), parse_closing(closing_texts(closing))):
-        assert inputs.closed([1, 1, 0]) == frozenset()
-        assert inputs.closed([0, 1, 0]) == {'press'}
-        assert inputs.closed([1, 0, 0]) == inputs.closed([1, 1, 1]) == {'other'}
-        assert inputs.closed([1]) == {'other'}  # of what is not known there is nothing to open it
+    for inputs in (closing, parse_closing(closing_texts(closing))):
+        assert closed_zones(inputs, [1, 1, 0]) == frozenset()
+        assert closed_zones(inputs, [0, 1, 0]) == {'press'}
+        assert closed_zones(inputs, [1, 0, 0]) == closed_zones(inputs, [1, 1, 1]) == {'other'}
+        assert closed_zones(inputs, [1]) == {'other'}  # of what is not known there is nothing to open it
     assert not parse_closing([''])
 
 

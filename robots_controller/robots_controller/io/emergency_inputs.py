@@ -1,4 +1,4 @@
-"""EmergencyInputs: digital inputs that stop the robot. No certified safety function."""
+"""Digital inputs that stop the robot. No certified safety function."""
 
 from __future__ import annotations
 
@@ -14,33 +14,32 @@ from robots_core.files.yaml_section import YamlSection
 WORDS: Final = ('off', 'on')
 
 
-class EmergencyInputs:
-    """Inputs that stop the robot while they have a value.
+Stopping = Mapping[int, int]
+"""The values of digital inputs that stop the robot, 0 or 1, by the inputs' indices from 1 on."""
+
+
+def emergency_reason(
+    stopping: Stopping, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})
+) -> str:
+    """Which inputs stop the robot, for a person; '' if none does.
 
     Args:
-        stopping: The values that stop, 0 or 1, by the inputs' indices from 1 on.
+        stopping: The inputs that do.
+        image: The digital inputs from the first one on; one that is not in it stops the robot too, as its
+            value is unknown.
+        unknown: Why the values of inputs are not those of their PLC, by their indices.
     """
+    named = []
+    for index, value in stopping.items():
+        why = 'digital_inputs is too short' if index > len(image) else unknown.get(index, '')
+        if has_value(image, index, value):
+            named.append(f'digital_input.{index} (unknown: {why})' if why else f'digital_input.{index}')
+    return f'emergency stop by {", ".join(named)}' if named else ''
 
-    def __init__(self, stopping: Mapping[int, int]) -> None:
-        self._stopping = dict(stopping)
 
-    def __bool__(self) -> bool:
-        return bool(self._stopping)
-
-    def reason(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> str:
-        """Which inputs stop the robot, for a person; '' if none does.
-
-        Args:
-            image: The digital inputs from the first one on; one that is not in it stops the robot too, as
-                its value is unknown.
-            unknown: Why the values of inputs are not those of their PLC, by their indices.
-        """
-        named = []
-        for index, value in self._stopping.items():
-            why = 'digital_inputs is too short' if index > len(image) else unknown.get(index, '')
-            if index > len(image) or int(image[index - 1]) == value:
-                named.append(f'digital_input.{index} (unknown: {why})' if why else f'digital_input.{index}')
-        return f'emergency stop by {", ".join(named)}' if named else ''
+def has_value(image: Sequence[int], index: int, value: int) -> bool:
+    """An input has a value that stops or closes, or none in the image, which counts as that."""
+    return index > len(image) or int(image[index - 1]) == value
 
 
 def read_emergency_stop(section: YamlSection, signals: Mapping[str, Channel]) -> dict[str, int]:
@@ -63,7 +62,7 @@ def emergency_stop_texts(stopping: Mapping[str, int]) -> list[str]:
     return [f'{name}={WORDS[value]}' for name, value in stopping.items()]
 
 
-def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
+def parse_emergency_stop(texts: Iterable[str]) -> dict[int, int]:
     """The inputs in texts of `emergency_stop_texts`; empty texts are ignored.
 
     Raises:
@@ -75,7 +74,7 @@ def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
             text, f"{text!r} is no emergency stop; valid are 'digital_input.3=off' and 'digital_input.3=on'"
         )
         found[index] = value
-    return EmergencyInputs(found)
+    return found
 
 
 def parse_input(text: str, wrong: str) -> tuple[int, int]:

@@ -1,10 +1,10 @@
-"""ZoneInputs: digital inputs that close the borders of zones. No certified safety function."""
+"""Digital inputs that close the borders of zones. No certified safety function."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from robots_controller.io.emergency_inputs import WORDS, parse_input
+from robots_controller.io.emergency_inputs import WORDS, has_value, parse_input
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import parse_channel
 from robots_core.blocks.zones.zone import Zone
@@ -14,30 +14,18 @@ Closing = Mapping[str, Mapping[int, int]]
 """The values that close, 0 or 1, by the indices of inputs from 1 on, by zone."""
 
 
-class ZoneInputs:
-    """Which zones are closed by an image of the inputs.
+def closed_zones(closing: Closing, image: Sequence[int]) -> frozenset[str]:
+    """The zones that are closed by an image of the inputs.
 
     Args:
         closing: What closes each zone; one of its inputs is enough.
+        image: The digital inputs from the first one on; one that is not in it closes.
     """
-
-    def __init__(self, closing: Closing) -> None:
-        self._closing = {name: dict(inputs) for name, inputs in closing.items()}
-
-    def __bool__(self) -> bool:
-        return bool(self._closing)
-
-    def closed(self, image: Sequence[int]) -> frozenset[str]:
-        """The zones that are closed.
-
-        Args:
-            image: The digital inputs from the first one on; one that is not in it closes.
-        """
-        return frozenset(
-            name
-            for name, inputs in self._closing.items()
-            if any(index > len(image) or int(image[index - 1]) == value for index, value in inputs.items())
-        )
+    return frozenset(
+        name
+        for name, inputs in closing.items()
+        if any(has_value(image, index, value) for index, value in inputs.items())
+    )
 
 
 def closing_inputs(zones: Iterable[Zone], signals: Mapping[str, Channel]) -> Closing:
@@ -77,7 +65,7 @@ def closing_texts(closing: Closing) -> list[str]:
     ]
 
 
-def parse_closing(texts: Iterable[str]) -> ZoneInputs:
+def parse_closing(texts: Iterable[str]) -> Closing:
     """The inputs in texts of `closing_texts`; empty texts are ignored.
 
     Raises:
@@ -91,4 +79,4 @@ def parse_closing(texts: Iterable[str]) -> ZoneInputs:
         if not zone:
             raise InvalidInputError(wrong)
         found.setdefault(zone, {})[index] = value
-    return ZoneInputs(found)
+    return found

@@ -15,13 +15,13 @@ from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (
-    EmergencyInputs,
+    Stopping,
     emergency_stop_texts,
     parse_emergency_stop,
 )
 from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.plc_script import PlcScript
-from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs
+from robots_controller.io.zone_inputs import Closing, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.following_methods import METHODS
@@ -77,9 +77,9 @@ class CellParts:
     plc_script: PlcScript
     io_labels: Mapping[str, Sequence[str]]
     fail_safe: FailSafe
-    emergency_stop: EmergencyInputs
+    emergency_stop: Stopping
     unknown_inputs: Mapping[int, str]
-    zone_inputs: ZoneInputs
+    zone_inputs: Closing
     scene: str
     io: str
     references: GuideRecording | None
@@ -148,7 +148,7 @@ def cell_parts(
         fail_safe=cell_io.fail_safe,
         emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
         unknown_inputs=cell_io.unknown_offline,
-        zone_inputs=ZoneInputs(closing_inputs(zones, cell_io.signals)),
+        zone_inputs=closing_inputs(zones, cell_io.signals),
         scene=str(scene),
         io=str(io),
         references=_recording(references, model, cabin) if references else None,

@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
-from robots_controller.io.emergency_inputs import EmergencyInputs
-from robots_controller.io.zone_inputs import ZoneInputs
+from robots_controller.io.emergency_inputs import Stopping, emergency_reason
+from robots_controller.io.zone_inputs import Closing, closed_zones
 
 
 class WatchedInputs:
@@ -18,7 +18,7 @@ class WatchedInputs:
         zones: Inputs that close zones.
     """
 
-    def __init__(self, control: ControlLoop, emergency: EmergencyInputs, zones: ZoneInputs) -> None:
+    def __init__(self, control: ControlLoop, emergency: Stopping, zones: Closing) -> None:
         self._control, self._emergency, self._zones = control, emergency, zones
         self._reason = ''
         self._closed: frozenset[str] | None = None
@@ -28,9 +28,10 @@ class WatchedInputs:
 
         Args:
             image: From the first one on.
-            unknown: See `EmergencyInputs.reason`.
+            unknown: See `emergency_reason`.
         """
-        closed, reason = self._zones.closed(image), self._emergency.reason(image, unknown)
+        closed = closed_zones(self._zones, image)
+        reason = emergency_reason(self._emergency, image, unknown)
         if closed != self._closed:
             self._closed = closed
             self._control.close_zones(closed)

@@ -12,9 +12,9 @@ from std_msgs.msg import UInt8MultiArray
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import LOST_NODES, Fault
 from robots_controller.control.stops.watched_inputs import WatchedInputs
-from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
+from robots_controller.io.emergency_inputs import Stopping, parse_emergency_stop
 from robots_controller.io.unknown_inputs import unknown_inputs
-from robots_controller.io.zone_inputs import ZoneInputs
+from robots_controller.io.zone_inputs import Closing
 from robots_core.errors import InvalidInputError
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import subscribe
@@ -49,11 +49,11 @@ class WatchedNodes:
         node: RobotNode,
         control: ControlLoop,
         watchdog: float,
-        zones: ZoneInputs,
+        zones: Closing,
         changed: Mapping[str, Callable[[str], object]],
     ) -> None:
         self._control, self._changed = control, changed
-        emergency: EmergencyInputs = node.parameter(
+        emergency: Stopping = node.parameter(
             'emergency_stop_inputs',
             [''],
             f"digital inputs that stop the robot, as 'digital_input.3=off'; {NOT_CERTIFIED}",

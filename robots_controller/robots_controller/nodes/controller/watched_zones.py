@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.zones.shared_zone import LARGEST, ZoneState, parse_zone_state
-from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
+from robots_controller.io.zone_inputs import Closing, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
@@ -41,7 +41,7 @@ class WatchedZones:
         self._publisher: Publisher | None = None
         self._states: dict[str, ZoneState] = {}
         self._scene = scene_by_parameter(node)
-        self.inputs: ZoneInputs = node.parameter(
+        self.inputs: Closing = node.parameter(
             'zone_inputs',
             [''],
             "digital inputs that close the borders of zones, as 'digital_input.3=off press'; "
