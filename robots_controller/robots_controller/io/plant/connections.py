@@ -1,6 +1,6 @@
 """The connections of an I/O map's servers."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_map import IoRow
@@ -39,28 +39,15 @@ def connect(
             outputs[row.place] = None
         else:
             inputs[row.place] = min(row.period, inputs.get(row.place, row.period))
+    link: PlantLink
     try:
-        link = make_link(server, inputs, outputs)
+        match server:
+            case ModbusServer():
+                link = ModbusLink(server, inputs)
+            case MqttServer():
+                link = MqttLink(server, inputs, outputs)
+            case OpcuaServer():
+                link = OpcuaLink(server, inputs, outputs)
     except InvalidInputError as error:
         raise (first.error(error.message) if first else error) from None
     return PlantConnection(server.port, link, wake, **options)
-
-
-def make_link(server: PlantServer, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
-    """A link to a server, not open yet.
-
-    Args:
-        server: The server.
-        inputs: Places to read, and how often where the protocol polls, s.
-        outputs: Places to write.
-
-    Raises:
-        InvalidInputError: the protocol's library is not installed.
-    """
-    match server:
-        case ModbusServer():
-            return ModbusLink(server, inputs)
-        case MqttServer():
-            return MqttLink(server, inputs, outputs)
-        case OpcuaServer():
-            return OpcuaLink(server, inputs, outputs)

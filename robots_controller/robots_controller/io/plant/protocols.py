@@ -1,14 +1,13 @@
 """The protocols of an I/O map: their servers and places in its file."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from collections.abc import Mapping
+from typing import Final, TypeAlias
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_map import ModbusServer, read_modbus_place, read_modbus_server
-from robots_controller.io.plant.mqtt.mqtt_map import MqttServer, read_mqtt_place, read_mqtt_server
-from robots_controller.io.plant.opcua.opcua_map import OpcuaServer, read_opcua_place, read_opcua_server
+from robots_controller.io.plant.modbus.modbus_map import ModbusServer
+from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
+from robots_controller.io.plant.opcua.opcua_map import OpcuaServer
 from robots_core.files.yaml_section import YamlSection
 
 PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
@@ -16,24 +15,12 @@ PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
 s; None where the server speaks by itself."""
 
 
-@dataclass(frozen=True)
-class PlantProtocol:
-    """How a protocol is written in a map.
-
-    Attributes:
-        read_server: Reads an entry of the protocol's section, with its `port`.
-        read_place: Reads what a row has below the protocol's name.
-    """
-
-    read_server: Callable[[YamlSection, str], PlantServer]
-    read_place: Callable[[YamlSection, Channel, Any], Place]
-
-
-PROTOCOLS: Final[Mapping[str, PlantProtocol]] = {
-    'modbus': PlantProtocol(read_modbus_server, read_modbus_place),
-    'mqtt': PlantProtocol(read_mqtt_server, read_mqtt_place),
-    'opcua': PlantProtocol(read_opcua_server, read_opcua_place),
+PROTOCOLS: Final[Mapping[str, type[PlantServer]]] = {
+    'modbus': ModbusServer,
+    'mqtt': MqttServer,
+    'opcua': OpcuaServer,
 }
+"""By the names that maps have for them."""
 
 
 def read_servers(section: YamlSection) -> dict[str, PlantServer]:
@@ -48,7 +35,7 @@ def read_servers(section: YamlSection) -> dict[str, PlantServer]:
             if (entry := below.section(server)) is None or not server:
                 raise below.error(f'{name} needs a name and settings for each server', server)
             port = f'{name} {server}'
-            servers[port] = protocol.read_server(entry, port)
+            servers[port] = protocol.read(entry, port)
             entry.finish()
     return servers
 
@@ -73,6 +60,6 @@ def read_plant_place(
     if not own:
         raise item.error(f'there is no server below {name} at the top of the file', name)
     server = servers[f'{name} {below.text("server", own[0] if len(own) == 1 else None, among=own)}']
-    place = PROTOCOLS[name].read_place(below, channel, server)
+    place = server.read_place(below, channel)
     below.finish()
     return place, server

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
@@ -45,6 +45,49 @@ class ModbusServer:
     period: float = 0.1
     response_timeout: float = 1.0
 
+    @classmethod
+    def read(cls, section: YamlSection, port: str) -> Self:
+        """An entry of the section `modbus`.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        return cls(
+            port,
+            section.text('host'),
+            section.whole('port', 502, low=1, high=65535),
+            section.whole('unit', 1, low=0, high=255),
+            section.number('period', 0.1, low=0.001, high=3600.0),
+            section.number('response_timeout', 1.0, low=0.01, high=60.0),
+        )
+
+    def read_place(self, item: YamlSection, channel: Channel) -> ModbusPlace:
+        """The keys below `modbus` of a row.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid, or not for outputs; with file and line.
+        """
+        tables = [table for table in TABLES if table in item]
+        if len(tables) != 1:
+            raise item.error(
+                f'modbus needs one of {", ".join(TABLES)}; here are {", ".join(tables) or "none"}'
+            )
+        (table,) = tables
+        if channel.direction == 'output' and table not in WRITABLE:
+            raise item.error(f'{table} cannot be written; outputs go to {" or ".join(WRITABLE)}', table)
+        kind, little = 'boolean', False
+        if table.endswith('register'):
+            names = [name for name, kind in KINDS.items() if kind in WORDS]
+            kind = KINDS[item.text('type', 'uint16', among=names)]
+            little = item.text('word_order', 'big', among=('big', 'little')) == 'little'
+        else:
+            for key in ('type', 'word_order'):
+                if key in item:
+                    raise item.error(f'{key} is for registers; {table} is one bit', key)
+        unit = item.whole('unit', self.unit, low=0, high=255)
+        address = item.whole(table, low=0, high=LAST_ADDRESS + 1 - WORDS.get(kind, 1))
+        return ModbusPlace(self.port, kind, unit, table, address, little)
+
 
 @dataclass(frozen=True)
 class ModbusPlace(PlantPlace):
@@ -76,45 +119,3 @@ class ModbusPlace(PlantPlace):
     def size(self) -> int:
         """How many coils or registers it takes."""
         return WORDS.get(self.kind, 1)
-
-
-def read_modbus_server(section: YamlSection, port: str) -> ModbusServer:
-    """An entry of the section `modbus`.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid; with file and line.
-    """
-    return ModbusServer(
-        port,
-        section.text('host'),
-        section.whole('port', 502, low=1, high=65535),
-        section.whole('unit', 1, low=0, high=255),
-        section.number('period', 0.1, low=0.001, high=3600.0),
-        section.number('response_timeout', 1.0, low=0.01, high=60.0),
-    )
-
-
-def read_modbus_place(item: YamlSection, channel: Channel, server: ModbusServer) -> ModbusPlace:
-    """The keys below `modbus` of a row.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid, or what is written cannot be; with file and line.
-    """
-    tables = [table for table in TABLES if table in item]
-    if len(tables) != 1:
-        raise item.error(f'modbus needs one of {", ".join(TABLES)}; here are {", ".join(tables) or "none"}')
-    (table,) = tables
-    if channel.direction == 'output' and table not in WRITABLE:
-        raise item.error(f'{table} cannot be written; outputs go to {" or ".join(WRITABLE)}', table)
-    kind, little = 'boolean', False
-    if table.endswith('register'):
-        names = [name for name, kind in KINDS.items() if kind in WORDS]
-        kind = KINDS[item.text('type', 'uint16', among=names)]
-        little = item.text('word_order', 'big', among=('big', 'little')) == 'little'
-    else:
-        for key in ('type', 'word_order'):
-            if key in item:
-                raise item.error(f'{key} is for registers; {table} is one bit', key)
-    unit = item.whole('unit', server.unit, low=0, high=255)
-    address = item.whole(table, low=0, high=LAST_ADDRESS + 1 - WORDS.get(kind, 1))
-    return ModbusPlace(server.port, kind, unit, table, address, little)

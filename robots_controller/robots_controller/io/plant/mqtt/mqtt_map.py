@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
@@ -36,9 +36,54 @@ class MqttServer:
     credentials: Credentials
     keepalive: int
     response_timeout: float
-
     period: ClassVar[None] = None
     """Of inputs whose row has none: the broker speaks by itself."""
+
+    @classmethod
+    def read(cls, section: YamlSection, port: str) -> Self:
+        """An entry of the section `mqtt`.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        tls = section.switch('tls', default=False)
+        made = cls(
+            port,
+            section.text('host'),
+            section.whole('port', 8883 if tls else 1883, low=1, high=65535),
+            tls,
+            section.text('client_id', ''),
+            read_credentials(section),
+            section.whole('keepalive', 10, low=1, high=3600),
+            section.number('response_timeout', 2.0, low=0.01, high=60.0),
+        )
+        for key in ('certificate', 'trusted'):
+            if getattr(made.credentials, key) and not tls:
+                raise section.error(f'{key} needs tls: true', key)
+        return made
+
+    def read_place(self, item: YamlSection, channel: Channel) -> MqttPlace:
+        """The keys below `mqtt` of a row.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        topic = item.text('topic')
+        if not topic or any(letter in topic for letter in '+#\0'):
+            raise item.error(f'{topic!r} is no topic; topics are like plant/press, without + and #', 'topic')
+        output = channel.direction == 'output'
+        if 'retain' in item and not output:
+            raise item.error('retain is not for inputs', 'retain')
+        return MqttPlace(
+            self.port,
+            read_kind(item, channel),
+            topic,
+            item.made('pointer', lambda value: JsonPointer.parse(str(value)))
+            if 'pointer' in item
+            else JsonPointer('', ()),
+            item.whole('qos', 1, low=0, high=2),
+            item.switch('retain', default=False),
+        )
 
 
 @dataclass(frozen=True)
@@ -66,52 +111,3 @@ class MqttPlace(PlantPlace):
     def text(self) -> str:
         """Topic and pointer."""
         return f'{self.topic} {self.pointer.text}'.rstrip()
-
-
-def read_mqtt_server(section: YamlSection, port: str) -> MqttServer:
-    """An entry of the section `mqtt`.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid; with file and line.
-    """
-    tls = section.switch('tls', default=False)
-    made = MqttServer(
-        port,
-        section.text('host'),
-        section.whole('port', 8883 if tls else 1883, low=1, high=65535),
-        tls,
-        section.text('client_id', ''),
-        read_credentials(section),
-        section.whole('keepalive', 10, low=1, high=3600),
-        section.number('response_timeout', 2.0, low=0.01, high=60.0),
-    )
-    for key in ('certificate', 'trusted'):
-        if getattr(made.credentials, key) and not tls:
-            raise section.error(f'{key} needs tls: true', key)
-    return made
-
-
-def read_mqtt_place(item: YamlSection, channel: Channel, server: MqttServer) -> MqttPlace:
-    """The keys below `mqtt` of a row.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid; with file and line.
-    """
-    topic = item.text('topic')
-    if not topic or any(letter in topic for letter in '+#\0'):
-        raise item.error(f'{topic!r} is no topic; topics are like plant/press, without + and #', 'topic')
-    output = channel.direction == 'output'
-    if 'retain' in item and not output:
-        raise item.error('retain is not for inputs', 'retain')
-    return MqttPlace(
-        server.port,
-        read_kind(item, channel),
-        topic,
-        item.made('pointer', _pointer) if 'pointer' in item else JsonPointer('', ()),
-        item.whole('qos', 1, low=0, high=2),
-        item.switch('retain', default=False),
-    )
-
-
-def _pointer(value: object) -> JsonPointer:
-    return JsonPointer.parse(str(value))

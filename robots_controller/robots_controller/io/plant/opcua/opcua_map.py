@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 from robots_controller.io.bridge.place import PlantPlace
 from robots_controller.io.io_image import Channel
@@ -46,6 +46,47 @@ class OpcuaServer:
     period: float
     response_timeout: float
 
+    @classmethod
+    def read(cls, section: YamlSection, port: str) -> Self:
+        """An entry of the section `opcua`.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        endpoint = section.text('endpoint')
+        if not re.fullmatch(r'opc\.tcp://[^/\s]+(/\S*)?', endpoint):
+            raise section.error(
+                f'{endpoint!r} is no endpoint; endpoints are like opc.tcp://plc:4840', 'endpoint'
+            )
+        security = section.text('security', 'none', among=POLICIES)
+        made = cls(
+            port,
+            endpoint,
+            security,
+            section.text('mode', 'sign_and_encrypt', among=MODES),
+            read_credentials(section),
+            section.number('period', 0.1, low=0.001, high=3600.0),
+            section.number('response_timeout', 4.0, low=0.01, high=60.0),
+        )
+        if security != 'none' and not made.credentials.certificate:
+            raise section.error(f'security {security} needs a certificate and its key', 'security')
+        if security == 'none':
+            for key in ('mode', 'certificate', 'trusted'):
+                if key in section:
+                    raise section.error(f'{key} needs a security other than none', key)
+        return made
+
+    def read_place(self, item: YamlSection, channel: Channel) -> OpcuaPlace:
+        """The keys below `opcua` of a row.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        node = item.text('node')
+        if not _NODE.fullmatch(node):
+            raise item.error(f'{node!r} is no node id; they are like ns=2;s=Press.Ready or i=85', 'node')
+        return OpcuaPlace(self.port, read_kind(item, channel), node)
+
 
 @dataclass(frozen=True)
 class OpcuaPlace(PlantPlace):
@@ -61,43 +102,3 @@ class OpcuaPlace(PlantPlace):
     def text(self) -> str:
         """The node id."""
         return self.node
-
-
-def read_opcua_server(section: YamlSection, port: str) -> OpcuaServer:
-    """An entry of the section `opcua`.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid; with file and line.
-    """
-    endpoint = section.text('endpoint')
-    if not re.fullmatch(r'opc\.tcp://[^/\s]+(/\S*)?', endpoint):
-        raise section.error(f'{endpoint!r} is no endpoint; endpoints are like opc.tcp://plc:4840', 'endpoint')
-    security = section.text('security', 'none', among=POLICIES)
-    made = OpcuaServer(
-        port,
-        endpoint,
-        security,
-        section.text('mode', 'sign_and_encrypt', among=MODES),
-        read_credentials(section),
-        section.number('period', 0.1, low=0.001, high=3600.0),
-        section.number('response_timeout', 4.0, low=0.01, high=60.0),
-    )
-    if security != 'none' and not made.credentials.certificate:
-        raise section.error(f'security {security} needs a certificate and its key', 'security')
-    if security == 'none':
-        for key in ('mode', 'certificate', 'trusted'):
-            if key in section:
-                raise section.error(f'{key} needs a security other than none', key)
-    return made
-
-
-def read_opcua_place(item: YamlSection, channel: Channel, server: OpcuaServer) -> OpcuaPlace:
-    """The keys below `opcua` of a row.
-
-    Raises:
-        InvalidInputError: a key is missing or not valid; with file and line.
-    """
-    node = item.text('node')
-    if not _NODE.fullmatch(node):
-        raise item.error(f'{node!r} is no node id; they are like ns=2;s=Press.Ready or i=85', 'node')
-    return OpcuaPlace(server.port, read_kind(item, channel), node)
