@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import ipaddress
 import socket
-from collections.abc import Awaitable, Callable, Mapping, MutableMapping
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import Final
+
+from starlette.datastructures import Headers
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
 
 from robots_controller.pendant.page_access import THIS_MACHINE
 
@@ -26,12 +31,8 @@ SCENE_HEADERS: Final = (
     (b'referrer-policy', b'same-origin'),
 )
 
+POLICY_VIOLATION: Final = 1008  # code of a websocket that is closed
 REFUSAL: Final = 'refused: this page takes requests from itself alone, by a name of this machine\n'
-
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Message, Receive, Send], Awaitable[None]]
 
 
 def is_own(headers: Mapping[str, str], served: str = THIS_MACHINE) -> bool:
@@ -72,19 +73,20 @@ class OriginGuard:
         served: Address that the server listens at.
     """
 
-    def __init__(self, app: App, served: str = THIS_MACHINE) -> None:
+    def __init__(self, app: ASGIApp, served: str = THIS_MACHINE) -> None:
         self.app: Final = app  # NiceGUI looks for the application below by this name
         self._served = served
 
-    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""
         if scope['type'] == 'lifespan':
             await self.app(scope, receive, send)
             return
-        headers = {key.decode('latin1').lower(): value.decode('latin1') for key, value in scope['headers']}
+        headers = Headers(scope=scope)
         websocket = scope['type'] == 'websocket'
         if not is_own(headers, self._served) or (websocket and 'origin' not in headers):
-            await refuse(REFUSAL, websocket=websocket, receive=receive, send=send)
+            refused = WebSocketClose(POLICY_VIOLATION) if websocket else PlainTextResponse(REFUSAL, 403)
+            await refused(scope, receive, send)
             return
 
         own = SCENE_HEADERS if scope.get('path', '').startswith(f'{SCENE}/') else HEADERS
@@ -95,15 +97,3 @@ class OriginGuard:
             await send(message)
 
         await self.app(scope, receive, send_with_headers)
-
-
-async def refuse(text: str, *, websocket: bool, receive: Receive, send: Send) -> None:
-    """Refuse a request with a text, or a websocket before it is accepted (403)."""
-    if websocket:
-        await receive()
-        await send({'type': 'websocket.close', 'code': 1008})
-        return
-    data = text.encode()
-    head = [(b'content-type', b'text/plain'), (b'content-length', str(len(data)).encode())]
-    await send({'type': 'http.response.start', 'status': 403, 'headers': head})
-    await send({'type': 'http.response.body', 'body': data})

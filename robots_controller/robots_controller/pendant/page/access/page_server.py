@@ -13,8 +13,9 @@ import uvicorn
 from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse
 from nicegui import core, ui
+from starlette.types import ASGIApp
 
-from robots_controller.pendant.page.access.origin_guard import EVERY_ADDRESS, App, OriginGuard
+from robots_controller.pendant.page.access.origin_guard import EVERY_ADDRESS, OriginGuard
 from robots_controller.pendant.page.access.password_guard import PasswordGuard
 from robots_controller.pendant.page.access.scene_proxy import SceneProxy
 from robots_controller.pendant.page.trend_panel import REPORT
@@ -71,7 +72,7 @@ class PageServer:
         access = access or PageAccess()
         self._host, self._port = access.host, free_port(access.host, port)
         _Served.report = report
-        app: App = SceneProxy(_application(build, title), scene)
+        app: ASGIApp = SceneProxy(_application(build, title), scene)
         if access.password:
             app = PasswordGuard(app, access.password, title=title, log=log)
         config = uvicorn.Config(

@@ -8,16 +8,17 @@ import secrets
 import time
 from collections.abc import Callable
 from html import escape
-from http.cookies import CookieError, SimpleCookie
 from importlib.resources import files
 from typing import Final
 from urllib.parse import parse_qs
 
 from itsdangerous import BadSignature, TimestampSigner
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
 
-from robots_controller.pendant.page.access.origin_guard import App, Message, Receive, Send, refuse
+from robots_controller.pendant.page.access.origin_guard import POLICY_VIOLATION
 from robots_controller.pendant.page_access import LoginAttempts
 from robots_controller.pendant.texts import preferred_language, read_texts
 
@@ -43,7 +44,7 @@ class PasswordGuard:
 
     def __init__(
         self,
-        app: App,
+        app: ASGIApp,
         password: str,
         *,
         title: str,
@@ -55,25 +56,23 @@ class PasswordGuard:
         self._signer = TimestampSigner(secrets.token_bytes(32))
         self._attempts = LoginAttempts()
 
-    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""
         if scope['type'] == 'lifespan' or self._is_known(scope):
             await self.app(scope, receive, send)
         elif scope['type'] == 'websocket':
-            await refuse('', websocket=True, receive=receive, send=send)
+            await WebSocketClose(POLICY_VIOLATION)(scope, receive, send)
         else:
             request = Request(scope, receive)
             posted = (request.method, request.url.path) == ('POST', LOGIN)
             response = await self._log_in(request) if posted else self._form(request, 'needed', 401)
             await response(scope, receive, send)
 
-    def _is_known(self, scope: Message) -> bool:
-        header = b'; '.join(value for name, value in scope['headers'] if name.lower() == b'cookie')
+    def _is_known(self, scope: Scope) -> bool:
+        signed = HTTPConnection(scope).cookies.get(COOKIE, '')
         try:
-            cookie = SimpleCookie(header.decode('latin1')).get(COOKIE)
-            signed = '' if cookie is None else cookie.value
             return self._signer.unsign(signed, max_age=SESSION_TIME) == SESSION
-        except (BadSignature, CookieError):
+        except BadSignature:
             return False
 
     async def _log_in(self, request: Request) -> Response:

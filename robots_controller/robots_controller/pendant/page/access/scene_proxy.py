@@ -8,10 +8,12 @@ from typing import Final
 from urllib.parse import urlsplit
 
 import httpx
+from starlette.responses import Response
+from starlette.types import ASGIApp, Receive, Scope, Send
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
-from robots_controller.pendant.page.access.origin_guard import SCENE, App, Message, Receive, Send
+from robots_controller.pendant.page.access.origin_guard import SCENE
 from robots_controller.pendant.page_access import is_this_machine
 
 PATIENCE: Final = 10.0  # s
@@ -30,11 +32,11 @@ class SceneProxy:
         url: Gives the address of the 3D view; '' for none. Only one on this machine is asked.
     """
 
-    def __init__(self, app: App, url: Callable[[], str]) -> None:
+    def __init__(self, app: ASGIApp, url: Callable[[], str]) -> None:
         self.app: Final = app  # NiceGUI looks for the application below by this name
         self._url = url
 
-    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""
         path = scope.get('path', '')
         if path != SCENE and not path.startswith(f'{SCENE}/'):
@@ -42,7 +44,7 @@ class SceneProxy:
         elif scope['type'] == 'websocket':
             await self._connect(scope, receive, send)
         else:
-            await self._answer(scope, path, send)
+            await self._answer(scope, receive, send)
 
     @property
     def _server(self) -> str:
@@ -50,13 +52,13 @@ class SceneProxy:
         parts = urlsplit(self._url())
         return parts.netloc if parts.scheme == 'http' and is_this_machine(parts.hostname or '') else ''
 
-    async def _answer(self, scope: Message, path: str, send: Send) -> None:
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         status, headers, body = 502, {'content-type': 'text/plain'}, b'there is no 3D view\n'
         if scope['method'] not in GET:
             status, body = 405, b'the 3D view is only read\n'
         elif server := self._server:
             asked = [(name, value) for name, value in scope['headers'] if name.lower() in ASKED]
-            address = f'http://{server}{path.removeprefix(SCENE) or "/"}'
+            address = f'http://{server}{scope["path"].removeprefix(SCENE) or "/"}'
             try:
                 async with (
                     httpx.AsyncClient(trust_env=False, timeout=PATIENCE) as client,
@@ -66,12 +68,9 @@ class SceneProxy:
                     headers = {name: found.headers[name] for name in ANSWERED if name in found.headers}
             except (httpx.HTTPError, httpx.InvalidURL):
                 pass  # its node has ended, or is starting
-        head = [(name.encode(), value.encode()) for name, value in headers.items()]
-        head.append((b'content-length', str(len(body)).encode()))
-        await send({'type': 'http.response.start', 'status': status, 'headers': head})
-        await send({'type': 'http.response.body', 'body': b'' if scope['method'] == 'HEAD' else body})
+        await Response(body, status, headers)(scope, receive, send)
 
-    async def _connect(self, scope: Message, receive: Receive, send: Send) -> None:
+    async def _connect(self, scope: Scope, receive: Receive, send: Send) -> None:
         await receive()  # its request to connect
         gone = False
         try:
