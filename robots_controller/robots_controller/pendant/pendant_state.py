@@ -11,7 +11,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import NOTHING, Payload
-from robots_core.cell_interface.operating_modes import Commander, OperatingMode
+from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
@@ -175,6 +175,11 @@ class PendantState:
     def emergency_stop(self) -> bool:
         """The fault is an emergency stop."""
         return self.fault_kind in EMERGENCY_STOPS
+
+    @property
+    def run_is_held(self) -> bool:
+        """In its mode, programs run only while a person holds run."""
+        return self.mode is not None and MODES[self.mode].held
 
     @property
     def values(self) -> Mapping[str, Any]:

@@ -70,12 +70,8 @@ Rule = Callable[[PendantState], str]
 """The key of a reason, or '' for none."""
 
 
-def _missing(state: PendantState) -> str:
-    return 'lost' if state.lost else ''
-
-
-def _stopped(state: PendantState) -> str:
-    return 'fault' if state.fault else ''
+def _need(condition: Callable[[PendantState], bool], otherwise: str) -> Rule:
+    return lambda state: '' if condition(state) else otherwise
 
 
 def _commander(who: Commander) -> Rule:
@@ -91,28 +87,7 @@ def _commander(who: Commander) -> Rule:
 
 
 def _program(*states: RunState, otherwise: str) -> Rule:
-    return lambda state: '' if state.program.state in states else otherwise
-
-
-def _held(state: PendantState) -> str:
-    held = state.mode is not None and MODES[state.mode].held
-    return 'hold_needed' if held and not state.run_enabled else ''
-
-
-def _not_held(state: PendantState) -> str:
-    return '' if state.mode is not None and MODES[state.mode].held else 'no_hold_needed'
-
-
-def _manual(state: PendantState) -> str:
-    return '' if state.mode in (OperatingMode.T1, OperatingMode.T2) else 'not_manual'
-
-
-def _steps(state: PendantState) -> str:
-    return '' if state.mode is not None and MODES[state.mode].held else 'no_steps'
-
-
-def _not_running(state: PendantState) -> str:
-    return 'running' if state.program.state is RunState.RUNNING else ''
+    return _need(lambda state: state.program.state in states, otherwise)
 
 
 def _editable(state: PendantState) -> str:
@@ -121,38 +96,47 @@ def _editable(state: PendantState) -> str:
     return '' if state.program.state in STARTABLE else 'not_ended'
 
 
-def _pausable(state: PendantState) -> str:
-    return '' if state.program.state is RunState.RUNNING or state.program.waits_for_run else 'not_running'
-
-
-_RUNNABLE: Final = (_missing, _stopped, _commander(Commander.PROGRAM))
-_UNDER_WAY: Final = _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_running')
+_PRESENT: Final = _need(lambda state: not state.lost, 'lost')
+_NO_FAULT: Final = _need(lambda state: not state.fault, 'fault')
+_ENABLED: Final = _need(lambda state: state.run_enabled or not state.run_is_held, 'hold_needed')
+_NO_PROGRAM_RUNS: Final = _need(lambda state: state.program.state is not RunState.RUNNING, 'running')
+_JOGS: Final = (_PRESENT, _NO_FAULT, _commander(Commander.PENDANT))
+_RUNNABLE: Final = (_PRESENT, _NO_FAULT, _commander(Commander.PROGRAM))
 
 RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
-    Action.JOG: (_missing, _stopped, _commander(Commander.PENDANT)),
-    Action.MOVE: (_missing, _stopped, _commander(Commander.PENDANT), _steps),
-    Action.TEACH: (_missing, _not_running),
-    Action.EDIT: (_missing, _editable),
-    Action.OPEN: (_missing, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
-    Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _held),
+    Action.JOG: _JOGS,
+    Action.MOVE: (*_JOGS, _need(lambda state: state.run_is_held, 'no_steps')),
+    Action.TEACH: (_PRESENT, _NO_PROGRAM_RUNS),
+    Action.EDIT: (_PRESENT, _editable),
+    Action.OPEN: (_PRESENT, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
+    Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _ENABLED),
     Action.HOLD_RUN: (
         *_RUNNABLE,
         _program(*STARTABLE, RunState.RUNNING, RunState.PAUSED, otherwise='not_startable'),
-        _not_held,
+        _need(lambda state: state.run_is_held, 'no_hold_needed'),
     ),
     Action.STEP: (
         *_RUNNABLE,
         _program(RunState.OPENED, RunState.RUNNING, RunState.PAUSED, otherwise='not_paused'),
     ),
-    Action.BREAK: (_missing,),
-    Action.PAUSE: (_missing, _pausable),
-    Action.RESUME: (*_RUNNABLE, _program(RunState.PAUSED, otherwise='not_paused'), _held),
-    Action.END: (_missing, _UNDER_WAY),
-    Action.REWIND: (_missing, _program(*STARTABLE, otherwise='not_ended')),
-    Action.RESET: (_missing, lambda state: '' if state.fault else 'no_fault'),
-    Action.MODE: (_missing, _not_running),
+    Action.BREAK: (_PRESENT,),
+    Action.PAUSE: (
+        _PRESENT,
+        _need(
+            lambda state: state.program.state is RunState.RUNNING or state.program.waits_for_run,
+            'not_running',
+        ),
+    ),
+    Action.RESUME: (*_RUNNABLE, _program(RunState.PAUSED, otherwise='not_paused'), _ENABLED),
+    Action.END: (_PRESENT, _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_running')),
+    Action.REWIND: (_PRESENT, _program(*STARTABLE, otherwise='not_ended')),
+    Action.RESET: (_PRESENT, _need(lambda state: bool(state.fault), 'no_fault')),
+    Action.MODE: (_PRESENT, _NO_PROGRAM_RUNS),
     Action.OVERRIDE: (),
-    Action.SWITCH: (_missing, _manual),
+    Action.SWITCH: (
+        _PRESENT,
+        _need(lambda state: state.mode in (OperatingMode.T1, OperatingMode.T2), 'not_manual'),
+    ),
 }
 """In their order: the first reason is shown."""
 
