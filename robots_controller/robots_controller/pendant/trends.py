@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robots_controller.io.io_image import IMAGES
-from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 
@@ -50,11 +50,7 @@ class Trends:
         self._lock = threading.Lock()
         self._sizes: tuple[int, ...] = ()
         self._labels: Mapping[str, tuple[str, ...]] = {}
-        self._signals: tuple[Signal, ...] = ()
-        self._count = 0
-        self._times: Array = np.empty(0)
-        self._values: NDArray[np.float32] = np.empty((0, 0), np.float32)
-        self._begin(())
+        self._begin(ShownIo())
 
     @property
     def signals(self) -> tuple[Signal, ...]:
@@ -71,10 +67,11 @@ class Trends:
         sizes = tuple(min(len(state.io.values.get(image, ())), MOST_CHANNELS) for image in IMAGES)
         with self._lock:
             if sizes != self._sizes:
-                self._begin(sizes)
-            if state.io.labels is not self._labels:
-                self._labels = state.io.labels
-                self._signals = tuple(self._all_signals())
+                self._sizes = sizes
+                self._begin(state.io)
+            elif state.io.labels is not self._labels:
+                self._signals = tuple(self._all_signals(state.io))
+            self._labels = state.io.labels
             row = self._count % SAMPLES
             self._times[row] = now
             with np.errstate(over='ignore'):  # what is too large counts as missing
@@ -100,13 +97,13 @@ class Trends:
         every = max(1, -(-times.size // MOST_POINTS))
         return times[::-1][::every][::-1], values[::-1][::every][::-1]
 
-    def _begin(self, sizes: tuple[int, ...]) -> None:
-        self._sizes, self._labels, self._count = sizes, {}, 0
-        self._signals = tuple(self._all_signals())
+    def _begin(self, io: ShownIo) -> None:
+        self._count = 0
+        self._signals = tuple(self._all_signals(io))
         self._times = np.zeros(SAMPLES)
         self._values = np.full((SAMPLES, len(self._signals)), np.nan, np.float32)
 
-    def _all_signals(self) -> Iterator[Signal]:
+    def _all_signals(self, io: ShownIo) -> Iterator[Signal]:
         axes = self._axes
         for quantity, turning, sliding in (
             ('position', '°', 'mm'),
@@ -117,11 +114,9 @@ class Trends:
                 yield Signal(f'{quantity} {i}', name, sliding if axes.prismatic[i] else turning)
         yield Signal('tool_speed', '', 'mm/s')
         yield Signal('distance', '', 'mm')
-        for image, size in zip(IMAGES, self._sizes, strict=False):
-            labels = self._labels.get(image, ())
-            for i in range(size):
-                label = labels[i] if i < len(labels) else ''
-                yield Signal(f'{image.removesuffix("s")}.{i + 1}', f'{i + 1} {label}'.strip(), '')
+        for image in IMAGES:
+            for channel in found_channels(io, image, '')[:MOST_CHANNELS]:
+                yield Signal(channel.name, f'{channel.index} {channel.label}'.strip(), '')
 
     def _sample(self, state: PendantState) -> Iterator[float]:
         axes = self._axes
