@@ -17,7 +17,6 @@ from websockets.sync.client import connect
 
 from installed_browsers import DEADLINE, browser
 from robots_controller.interpreter.debugger import CallStack, Frame, Variable
-from robots_controller.pendant.jog.pendant_motion import MotionPreview
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
@@ -156,7 +155,7 @@ def test_the_way_around_an_obstacle_is_shown_before_the_robot_moves(
     start, goal = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-30.0, 30.0)])
     post = SceneObject('post', Capsule(0.05, 1.6), Pose(np.array([1.7, 0.0, 1.0]), np.eye(3)))
     planning = PathPlanning(robot, collision=CollisionDetection(robot, scene=Scene((post,))))
-    monkeypatch.setattr(operator, '_planner', lambda: MotionPreview(planning))
+    monkeypatch.setattr(operator, '_planner', lambda: planning)
     operator.state = replace(state, q=start, settings=MotionSettings(avoid=True))
     show(page, 'Jog')
     panel = page.locator('.jog-panel')

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from pendant_desk import JOG, ME, READY, Desk
-from robots_controller.pendant.jog.held_button import RUN_KEY
+from robots_controller.pendant.jog.held_button import DEADLINE, RUN_KEY
 from robots_controller.pendant.jog.jog_command import COMPONENTS, JogCommand
-from robots_controller.pendant.jog.press import DEADLINE
 from robots_controller.pendant.pendant_state import JogSpeeds, PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState

@@ -8,12 +8,11 @@ import pytest
 from robots_controller.pendant.jog.jog_command import JogCommand
 from robots_controller.pendant.jog.jog_prediction import HORIZON, JogPrediction
 from robots_controller.pendant.jog.pendant_motion import (
-    JogBasis,
-    MotionPreview,
+    motion_preview,
     step_command,
     target_command,
 )
-from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_controller.pendant.pendant_state import PendantState
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.errors import InvalidInputError, JointLimitError
@@ -25,8 +24,8 @@ from robots_planning.pathplanning import PathPlanning
 
 TOOL = Pose.from_angles((0.0, 0.1, 0.2), (0.3, -0.2, 0.1))
 BASE = Pose.from_angles((0.5, -0.3, 0.1), (0.4, 0.2, -0.1))
-BASIS = JogBasis(JogSpeeds(), MotionSettings(tool=frame_numbers(TOOL), base=frame_numbers(BASE)))
-PLAIN = JogBasis(JogSpeeds(), MotionSettings())
+BASIS = PendantState(settings=MotionSettings(tool=frame_numbers(TOOL), base=frame_numbers(BASE)))
+PLAIN = PendantState()
 ROBOTS = ('cello_bot', 'kuka_kr210_r2700', 'kuka_lbr_iiwa14')  # the first axis of the first slides
 
 
@@ -95,7 +94,7 @@ def test_a_preview_shows_where_and_how_long_and_no_tool_is_too_fast(way: str) ->
     pose = Pose(*robot.direct_kinematics(goal)) @ TOOL
     values = goal if way == 'joints' else [*pose.r, *pose.angles(robot.orientation_convention)]
     command = target_command(robot, way, list(values), 1.0, BASIS)  # type: ignore[arg-type]
-    found = MotionPreview(planning).plan(command, q, BASIS.settings, 0.25)
+    found = motion_preview(planning, command, q, BASIS.settings, 0.25)
     reached = Pose(*robot.direct_kinematics(found.q)) @ TOOL
     assert max(reached.distance_to(pose)) < 1e-6
     settings = MotionSettings(**{**vars(BASIS.settings), **found.command.settings})
@@ -112,10 +111,10 @@ def test_a_preview_of_a_way_around_obstacles_has_all_of_it_and_its_smallest_dist
     robot = load_robot_model('kuka_kr210_r2700')
     post = SceneObject('post', Capsule(0.05, 1.6), Pose(np.array([1.7, 0.0, 1.0]), np.eye(3)))
     collision = CollisionDetection(robot, scene=Scene((post,)))
-    preview = MotionPreview(PathPlanning(robot, collision=collision, collision_margin=0.005))
+    planning = PathPlanning(robot, collision=collision, collision_margin=0.005)
     start, goal = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-30.0, 30.0)])
     command = target_command(robot, 'joints', goal.tolist(), 1.0, PLAIN)
-    found = preview.plan(command, start, MotionSettings(avoid=True), 0.25)
+    found = motion_preview(planning, command, start, MotionSettings(avoid=True), 0.25)
     assert found.around
     assert found.closest is not None
     assert found.closest.second == 'post'
@@ -125,17 +124,16 @@ def test_a_preview_of_a_way_around_obstacles_has_all_of_it_and_its_smallest_dist
     )
     lowest = min(found.at(time).tolist()[1] for time in np.linspace(0.0, found.duration, 50))
     assert abs(lowest - start[1]) > 0.01  # a way that is not the line of axis 1
-    straight = preview.plan(
-        target_command(robot, 'joints', (start + 0.1).tolist(), 1.0, PLAIN), start, MotionSettings(), 0.25
-    )
+    command = target_command(robot, 'joints', (start + 0.1).tolist(), 1.0, PLAIN)
+    straight = motion_preview(planning, command, start, MotionSettings(), 0.25)
     assert not straight.around
 
 
 def _jog(robot: BaseRobotModel, box: TeachBox, jog: JogCommand, time: float) -> None:
     if jog.frame == 'axes':
-        box.jog_axes(jog.velocity(robot.axes_data, PLAIN.speeds), time)
+        box.jog_axes(jog.velocity(robot.axes_data, PLAIN.jog_speeds), time)
     else:
-        box.jog_tool(jog.twist(PLAIN.speeds), time, jog.tool_frame)
+        box.jog_tool(jog.twist(PLAIN.jog_speeds), time, jog.tool_frame)
 
 
 @pytest.mark.parametrize(
@@ -150,7 +148,7 @@ def _jog(robot: BaseRobotModel, box: TeachBox, jog: JogCommand, time: float) -> 
 def test_what_stops_a_jog_is_announced_before_it_does(name: str, key: str, limit: str) -> None:
     robot = load_robot_model(name)
     jog, outlook, period = JogCommand.from_key(key, 1.0, robot.num_axes), JogPrediction(robot), 0.02
-    box = TeachBox(robot, period, robot.home, speed_fraction=PLAIN.speeds.fraction)
+    box = TeachBox(robot, period, robot.home, speed_fraction=PLAIN.jog_speeds.fraction)
     places = []
     for number in range(100_000):
         _jog(robot, box, jog, number * period)
@@ -160,10 +158,11 @@ def test_what_stops_a_jog_is_announced_before_it_does(name: str, key: str, limit
             break
     assert limit in step.limits[0]
     soon, far = places[-int(0.5 / period) :][0], places[0]
-    ahead = outlook.ahead(jog, soon, PLAIN.speeds, PLAIN.settings)
+    ahead = outlook.ahead(jog, soon, PLAIN.jog_speeds, PLAIN.settings)
     assert ahead is not None
     assert ahead.time < HORIZON
     assert {one.split()[0] for one in ahead.limits} & {one.split()[0] for one in step.limits}
     assert (
-        len(places) * period < 2.0 * HORIZON or outlook.ahead(jog, far, PLAIN.speeds, PLAIN.settings) is None
+        len(places) * period < 2.0 * HORIZON
+        or outlook.ahead(jog, far, PLAIN.jog_speeds, PLAIN.settings) is None
     )

@@ -18,7 +18,7 @@ from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.jog.held_button import HeldButton, standing
 from robots_controller.pendant.jog.jog_prediction import JogPrediction, PredictedStop
-from robots_controller.pendant.jog.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
+from robots_controller.pendant.jog.pendant_motion import Preview, Way, motion_preview, target_command
 from robots_controller.pendant.message_log import MessageLog
 from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.pendant.pendant_port import PendantPort
@@ -91,7 +91,7 @@ class PendantOperator:
         self.held: Final = HeldButton(robot, port, now, self._check)
         self._port = port
         self._prediction = JogPrediction(robot)
-        self._planning, self._planner = threading.Lock(), cache(lambda: MotionPreview(planning()))
+        self._planning, self._planner = threading.Lock(), cache(planning)
         self._previewing = threading.Lock()
         self._targets: dict[str, object] = {}
         self._previews: dict[str, Preview] = {}
@@ -176,12 +176,10 @@ class PendantOperator:
         self._check(viewer, Action.MOVE)
         target = self._targets[viewer] = object()
         state = self.state
-        basis = JogBasis(state.jog_speeds, state.settings)
-        command = target_command(self.robot, way, values, speed, basis)
+        command = target_command(self.robot, way, values, speed, state)
         with self._planning:
-            found = self._planner().plan(
-                command, standing(self._port, state), state.settings, state.jog_speeds.tool
-            )
+            q = standing(self._port, state)
+            found = motion_preview(self._planner(), command, q, state.settings, state.jog_speeds.tool)
         with self._previewing:
             if self._targets.get(viewer) is not target:
                 return None

@@ -10,14 +10,12 @@ from typing import Final
 import numpy as np
 
 from robots_controller.pendant.jog.jog_command import JogCommand
-from robots_controller.pendant.jog.pendant_motion import JogBasis, Preview, step_command
-from robots_controller.pendant.jog.press import Press
+from robots_controller.pendant.jog.pendant_motion import Preview, step_command
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
-from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
@@ -29,27 +27,42 @@ MOVE_KEY: Final = 'move'
 STEP_KEY: Final = 'step '
 """Before 'over', 'in', 'out' or 'motion': of the buttons that let a held program make a step."""
 LARGEST_STEP: Final = 0.5  # rad, m
+DEADLINE: Final = 0.2  # s between two signs of one press, after which it has ended
 
 
 @dataclass
 class _Held:
-    """The press of a viewer.
+    """One press of a viewer, as a stream of signs that the button is still held.
+
+    Nothing is repeated for the browser: without its signs no command is sent, and the planner's timeout stops
+    the robot. A press whose stream was interrupted has ended for good: what arrives late does not move the
+    robot again.
 
     Attributes:
         viewer: Who presses.
-        press: What.
+        number: Counts the presses of a page.
+        last: Time of the last sign, s.
         start: What RUN_KEY does to the program that was there when it was pressed; None: only lets it run.
-        sent: Something was commanded that ends with the press.
-        started: The program was started, resumed or stepped; that happens once.
+        over: It has ended.
+        stop: Stops at once what would stop by itself after its timeout; None: nothing was commanded.
+        started: The program was started, resumed or stepped, or a motion begun; that happens once.
         paused: The program was paused before its step.
     """
 
     viewer: str
-    press: Press
+    number: int
+    last: float
     start: Action | None
-    sent: bool = False
+    over: bool = False
+    stop: Callable[[], None] | None = None
     started: bool = False
     paused: bool = False
+
+    def hold(self, now: float) -> bool:
+        """Take a sign that the button is held, at a time (s); False once the press has ended."""
+        self.over = self.over or now - self.last > DEADLINE
+        self.last = now
+        return not self.over
 
 
 class HeldButton:
@@ -117,87 +130,83 @@ class HeldButton:
             NotPermittedError: when the press begins, or because of what has happened since.
             InvalidInputError: no such button or step.
         """
-        now, held = self._now(), self._held
-        if held is None or (held.viewer, held.press.number) != (viewer, number):
-            held = self._begin(viewer, Press(number, key, now), _action(key, step), state)
-        if held is None or held.press.over:
+        now, held, action = self._now(), self._held, _action(key, step)
+        if held is None or (held.viewer, held.number) != (viewer, number):
+            held = self._begin(_Held(viewer, number, now, _start(state)), action)
+        if held is None or held.over:
             return None
-        if not held.press.hold(now):
+        if not held.hold(now):
             self._stop(held)
             return None
-        action = _action(key, step)
         try:
             self._check(viewer, action)
-            jog = _jog_of(key, action, speed, self._robot.num_axes, taught)
+            if action is Action.HOLD_RUN:
+                self._hold_run(held)
+                return held.start if _first_enabled(held, state) else None
             if action is Action.STEP:
                 return self._step(held, state)
-            if action is Action.MOVE:
-                if not held.press.moves:
-                    command = self._command(jog, state, step, preview)
-                    held.press.moves = held.sent = True
-                    self._port.begin_move(command, partial(self._moved, held))
+            jog = None if key == MOVE_KEY else JogCommand.from_key(key, speed, self._robot.num_axes, taught)
+            if jog is None or action is Action.MOVE:
+                if not held.started:
+                    self._move(held, self._command(jog, state, step, preview))
                 self._port.hold_run(held=True)
-            elif jog is not None:
+            else:
                 self._jog(held, jog, state)
         except RobotsError:
-            held.press.over = True
+            held.over = True
             self._stop(held)
             raise
-        if action is not Action.HOLD_RUN:
-            return None
-        held.sent = True
-        self._port.hold_run(held=True)
-        return held.start if _first_enabled(held, state) else None
+        return None
 
     def release(self) -> None:
         """The button was released, or the connection to its viewer is lost."""
         held, self._held = self._held, None
-        if held is not None and not held.press.over:
+        if held is not None and not held.over:
             self._stop(held)
 
-    def _begin(self, viewer: str, press: Press, action: Action, state: PendantState) -> _Held | None:
+    def _begin(self, held: _Held, action: Action) -> _Held | None:
         """Begin a press; None if this is a late sign of a press before."""
-        if viewer == self._newest[0] and press.number <= self._newest[1]:
+        if held.viewer == self._newest[0] and held.number <= self._newest[1]:
             return None
-        self._check(viewer, action)
+        self._check(held.viewer, action)
         self.release()
-        self._held, self._newest = _Held(viewer, press, _start(state)), (viewer, press.number)
+        self._held, self._newest = held, (held.viewer, held.number)
         self.failure = None
-        return self._held
+        return held
 
     def _stop(self, held: _Held) -> None:
-        """Stop at once what would stop by itself after its timeout."""
-        self.jog = None
-        if not held.sent:
-            return
-        held.sent = False
-        key = held.press.key
-        if key == RUN_KEY or key.startswith(STEP_KEY):
-            self._port.hold_run(held=False)
-        elif held.press.moves:
-            self._port.hold_run(held=False)
-            self._port.end_move()
-        elif key.startswith('axes'):
-            self._port.jog_axes(np.zeros(self._robot.num_axes))
-        else:
-            self._port.jog_tool(np.zeros(6), 'base')
+        stop, held.stop, self.jog = held.stop, None, None
+        if stop is not None:
+            stop()
+
+    def _hold_run(self, held: _Held) -> None:
+        held.stop = partial(self._port.hold_run, held=False)
+        self._port.hold_run(held=True)
 
     def _step(self, held: _Held, state: PendantState) -> Action | None:
         if state.program.waits_for_run:  # it would run, and not step, as soon as run is held
             first, held.paused = not held.paused, True
             return Action.PAUSE if first else None
-        if state.mode is not None and MODES[state.mode].held:
-            held.sent = True
-            self._port.hold_run(held=True)
+        if state.run_is_held:
+            self._hold_run(held)
         return Action.STEP if _first_enabled(held, state) else None
 
     def _jog(self, held: _Held, command: JogCommand, state: PendantState) -> None:
-        held.sent, self.jog = True, command
-        speeds = state.jog_speeds
+        self.jog, speeds = command, state.jog_speeds
         if command.frame == 'axes':
+            held.stop = partial(self._port.jog_axes, np.zeros(self._robot.num_axes))
             self._port.jog_axes(command.velocity(self._robot.axes_data, speeds))
         else:
+            held.stop = partial(self._port.jog_tool, np.zeros(6), 'base')
             self._port.jog_tool(command.twist(speeds), command.tool_frame)
+
+    def _move(self, held: _Held, command: MotionCommand) -> None:
+        held.started, held.stop = True, self._end_move
+        self._port.begin_move(command, partial(self._moved, held))
+
+    def _end_move(self) -> None:
+        self._port.hold_run(held=False)
+        self._port.end_move()
 
     def _command(
         self, jog: JogCommand | None, state: PendantState, step: float, preview: Preview | None
@@ -208,18 +217,16 @@ class HeldButton:
             return preview.command
         if not 0.0 < step <= LARGEST_STEP:
             raise InvalidInputError(f'step = {step:g} must be above 0, at most {LARGEST_STEP:g} (rad or m)')
-        basis = JogBasis(state.jog_speeds, state.settings)
-        return step_command(self._robot, jog, step, standing(self._port, state), basis)
+        return step_command(self._robot, jog, step, standing(self._port, state), state)
 
     def _moved(self, held: _Held, error: RobotsError | None) -> None:
         """The motion has ended, in any thread; the rest of the press moves nothing."""
-        if held.press.over or not held.sent:
+        if held.over or held.stop is None:
             return
-        held.press.over, held.sent = True, False
+        held.over = True
         if error is not None:
             self.failure = held.viewer, error
-        self._port.hold_run(held=False)
-        self._port.end_move()
+        self._stop(held)
 
 
 def standing(port: PendantPort, state: PendantState) -> Array:
@@ -242,13 +249,6 @@ def _action(key: str, step: float) -> Action:
     if key.startswith(STEP_KEY):
         return Action.STEP
     return Action.MOVE if key == MOVE_KEY or step != 0.0 else Action.JOG
-
-
-def _jog_of(key: str, action: Action, speed: float, num_axes: int, taught: Array | None) -> JogCommand | None:
-    """What a button jogs or steps; None for other buttons."""
-    if action not in (Action.JOG, Action.MOVE) or key == MOVE_KEY:
-        return None
-    return JogCommand.from_key(key, speed, num_axes, taught)
 
 
 def _first_enabled(held: _Held, state: PendantState) -> bool:

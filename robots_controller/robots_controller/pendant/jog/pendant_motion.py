@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 
 from robots_controller.pendant.jog.jog_command import JogCommand
-from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_controller.pendant.pendant_state import JogSpeeds, PendantState
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.results import Proximity
@@ -56,8 +56,7 @@ class Preview:
     @property
     def q(self) -> Array:
         """Joint positions at its end, (n,), rad (m)."""
-        end: Array = self.way[-1]
-        return end
+        return self.at(self.duration)
 
     def at(self, time: float) -> Array:
         """Joint positions a time (s) after its start, (n,), rad (m); afterwards those at its end."""
@@ -66,28 +65,8 @@ class Preview:
         return q
 
 
-@dataclass(frozen=True)
-class JogBasis:
-    """What a motion of the page is based on.
-
-    Attributes:
-        speeds: The highest speeds.
-        settings: Those of planning_node, with its tool and base.
-    """
-
-    speeds: JogSpeeds
-    settings: MotionSettings
-
-    def in_program_base(self, pose: Pose) -> Pose:
-        """A pose in the robot's base, seen from the base of the settings.
-
-        That stays as it is: whatever happens to the page, the program moves in its own base afterwards.
-        """
-        return frame(self.settings.base, 'base').inverse() @ pose
-
-
 def step_command(
-    robot: BaseRobotModel, jog: JogCommand, size: float, q: Array, basis: JogBasis
+    robot: BaseRobotModel, jog: JogCommand, size: float, q: Array, state: PendantState
 ) -> MotionCommand:
     """The motion of one step.
 
@@ -96,30 +75,30 @@ def step_command(
         jog: Direction, and part of the highest jog speed.
         size: Of the step, rad or m.
         q: Where the robot stands, (n,), rad (m).
-        basis: Speeds, tool and base.
+        state: Has the jog speeds, and the tool and base of planning_node.
 
     Raises:
         JointLimitError: the step leads an axis out of its limits.
     """
     way = float(np.copysign(size, jog.share))
-    settings = jog_settings(abs(jog.share), basis.speeds)
+    settings = jog_settings(abs(jog.share), state.jog_speeds)
     axes = robot.axes_data
     if jog.frame == 'axes':
         target = np.array(q)
         target[jog.index] += way
         return MotionCommand(JOINT, 0, '', q=read_only(axes.check_position(target, 'q')), settings=settings)
-    pose = Pose(*robot.direct_kinematics(q)) @ basis.settings.tool_pose
+    pose = Pose(*robot.direct_kinematics(q)) @ state.settings.tool_pose
     way_of = way * jog.direction()
     turn = rotation_from_vector(way_of[3:])
     if jog.frame == 'tool':
         target_pose = pose @ Pose(way_of[:3], turn)
     else:
         target_pose = Pose(pose.r + way_of[:3], turn @ pose.T)
-    return MotionCommand(LINE, 0, '', pose=basis.in_program_base(target_pose), settings=settings)
+    return MotionCommand(LINE, 0, '', pose=_in_program_base(target_pose, state), settings=settings)
 
 
 def target_command(
-    robot: BaseRobotModel, way: Way, values: Sequence[float], share: float, basis: JogBasis
+    robot: BaseRobotModel, way: Way, values: Sequence[float], share: float, state: PendantState
 ) -> MotionCommand:
     """The motion to a typed target.
 
@@ -129,20 +108,28 @@ def target_command(
         values: Joint positions (n,), rad (m); or x, y, z (m) and orientation angles (rad) of the tool centre
             point in the robot's base, in the robot's convention.
         share: Part of the highest jog speed, (0, 1].
-        basis: Speeds, tool and base.
+        state: Has the jog speeds, and the tool and base of planning_node.
 
     Raises:
         InvalidInputError: another number of values, or one that is not finite.
         JointLimitError: a position outside its limits.
     """
-    settings = jog_settings(share, basis.speeds)
+    settings = jog_settings(share, state.jog_speeds)
     if way == 'joints':
         q = robot.axes_data.check_position(finite_vector(values, robot.num_axes, 'q'), 'q')
         return MotionCommand(JOINT, 0, '', q=read_only(q), settings=settings)
     numbers = finite_vector(values, 6, 'pose')
     pose = Pose.from_angles(numbers[:3], numbers[3:], robot.orientation_convention)
     kind = LINE if way == 'line' else JOINT_TO_POSE
-    return MotionCommand(kind, 0, '', pose=basis.in_program_base(pose), settings=settings)
+    return MotionCommand(kind, 0, '', pose=_in_program_base(pose, state), settings=settings)
+
+
+def _in_program_base(pose: Pose, state: PendantState) -> Pose:
+    """A pose in the robot's base, seen from the base of the settings.
+
+    That stays as it is: whatever happens to the page, the program moves in its own base afterwards.
+    """
+    return frame(state.settings.base, 'base').inverse() @ pose
 
 
 def jog_settings(share: float, speeds: JogSpeeds) -> Mapping[str, Any]:
@@ -161,61 +148,54 @@ def jog_settings(share: float, speeds: JogSpeeds) -> Mapping[str, Any]:
     )
 
 
-class MotionPreview:
-    """Plans motions as planning_node will, and makes joint motions so slow that no tool is too fast.
-
-    An instance keeps scratch memory: use one per thread.
+def motion_preview(
+    planning: PathPlanning, command: MotionCommand, q: Array, settings: MotionSettings, tool_speed: float
+) -> Preview:
+    """Plan a motion as planning_node will; a joint motion is so slow that no tool is too fast.
 
     Args:
-        planning: The planner, with the scene that motions are checked in.
+        planning: The planner, with the scene that motions are checked in; it keeps scratch memory.
+        command: The motion.
+        q: Where the robot stands, (n,), rad (m).
+        settings: Those of planning_node, of which the command changes some.
+        tool_speed: Highest speed of the tool centre point, m/s.
+
+    Raises:
+        RobotsError: as `PathPlanning.plan`.
     """
+    planned = _planned(planning, command, q, settings)
+    fastest = _fastest(planning.robot, planned, settings.tool_pose.r) if command.kind is not LINE else 0.0
+    if fastest > tool_speed:
+        fraction = float(str(command.settings['speed_fraction'])) * SPEED_MARGIN * tool_speed / fastest
+        slower = MappingProxyType({**command.settings, 'speed_fraction': fraction})
+        command = replace(command, settings=slower)
+        planned = _planned(planning, command, q, settings)
+    around = planned.via is not None and len(planned.via) > 0
+    closest = _closest(planning, planned.trajectory)
+    return Preview(command, planned.duration, _samples(planned), planned.limiting_axis, around, closest)
 
-    def __init__(self, planning: PathPlanning) -> None:
-        self._planning = planning
 
-    def plan(self, command: MotionCommand, q: Array, settings: MotionSettings, tool_speed: float) -> Preview:
-        """Plan a motion.
+def _closest(planning: PathPlanning, trajectory: Trajectory) -> Proximity | None:
+    if planning.collision is None:
+        return None
+    path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+    found = planning.collision.closest_approach(path)
+    return None if found is None else found.proximity
 
-        Args:
-            command: The motion.
-            q: Where the robot stands, (n,), rad (m).
-            settings: Those of planning_node, of which the command changes some.
-            tool_speed: Highest speed of the tool centre point, m/s.
 
-        Raises:
-            RobotsError: as `PathPlanning.plan`.
-        """
-        planned = self._planned(command, q, settings)
-        fastest = self._fastest(planned, settings.tool_pose.r) if command.kind is not LINE else 0.0
-        if fastest > tool_speed:
-            fraction = float(str(command.settings['speed_fraction'])) * SPEED_MARGIN * tool_speed / fastest
-            slower = MappingProxyType({**command.settings, 'speed_fraction': fraction})
-            command = replace(command, settings=slower)
-            planned = self._planned(command, q, settings)
-        way = _samples(planned)
-        around = planned.via is not None and len(planned.via) > 0
-        return Preview(
-            command, planned.duration, way, planned.limiting_axis, around, self._closest(planned.trajectory)
-        )
+def _planned(
+    planning: PathPlanning, command: MotionCommand, q: Array, settings: MotionSettings
+) -> PlannedMotion:
+    target = command.q if command.q is not None else command.pose
+    assert target is not None
+    wanted = MotionSettings(**{**vars(settings), **command.settings})
+    return planning.plan(command.kind, q, target, wanted)
 
-    def _closest(self, trajectory: Trajectory) -> Proximity | None:
-        if self._planning.collision is None:
-            return None
-        path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
-        found = self._planning.collision.closest_approach(path)
-        return None if found is None else found.proximity
 
-    def _planned(self, command: MotionCommand, q: Array, settings: MotionSettings) -> PlannedMotion:
-        target = command.q if command.q is not None else command.pose
-        assert target is not None
-        wanted = MotionSettings(**{**vars(settings), **command.settings})
-        return self._planning.plan(command.kind, q, target, wanted)
-
-    def _fastest(self, planned: PlannedMotion, tool: Array) -> float:
-        r, T = self._planning.robot.tool_poses(_samples(planned))
-        places = r + T @ tool
-        step = planned.duration / (SAMPLES - 1)
-        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max() / step)
+def _fastest(robot: BaseRobotModel, planned: PlannedMotion, tool: Array) -> float:
+    r, T = robot.tool_poses(_samples(planned))
+    step = planned.duration / (SAMPLES - 1)
+    return float(np.linalg.norm(np.diff(r + T @ tool, axis=0), axis=1).max() / step)
 
 
 def _samples(planned: PlannedMotion) -> Array:
