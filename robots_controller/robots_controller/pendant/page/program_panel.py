@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Final
 
 from nicegui import background_tasks, ui
-from pygments import lex
+from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import LuaLexer
-from pygments.token import Token
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.choice import Choice
@@ -273,15 +272,5 @@ def _note(text: str) -> str:
 
 def _lines(text: str) -> str:
     """A Lua program as HTML, a div for each line."""
-    formatter = HtmlFormatter(nowrap=True)
-    lines: list[list[str]] = [[]]
-    for kind, value in lex(text, LuaLexer(stripnl=False)):
-        for number, part in enumerate(value.split('\n')):
-            if number:
-                lines.append([])
-            if part:
-                style = formatter._get_css_class(kind) if kind is not Token.Text else ''  # noqa: SLF001
-                lines[-1].append(f'<span class="{style}">{escape(part)}</span>')
-    if not lines[-1]:
-        lines.pop()
-    return ''.join(f'<div data-line="{i}">{"".join(parts)}</div>' for i, parts in enumerate(lines, 1))
+    html = highlight(text, LuaLexer(stripnl=False), HtmlFormatter(nowrap=True)).removesuffix('\n')
+    return ''.join(f'<div data-line="{i}">{line}</div>' for i, line in enumerate(html.split('\n'), 1))
