@@ -158,12 +158,13 @@ def test_a_robot_that_moves_is_not_measured() -> None:
     desk = Desk()
     operator: PendantOperator = desk.operator
     with pytest.raises(CommandRefusedError, match='no_position'):
-        operator.measured_position(ME)
+        operator.touch(ME, 'tool')
     q = np.array(desk.robot.home)
     operator.state = replace(READY, q=q, q_dot=0.1 * desk.robot.axes_data.velocity)
     with pytest.raises(CommandRefusedError, match='moving'):
-        operator.measured_position(ME)
+        operator.touch(ME, 'tool')
     with pytest.raises(CommandRefusedError, match='controlled'):
-        operator.measured_position('another')
+        operator.touch('another', 'tool')
     operator.state = replace(READY, q=q, q_dot=np.zeros_like(q))
-    np.testing.assert_array_equal(operator.measured_position(ME), q)
+    operator.touch(ME, 'tool')
+    assert operator.measuring.points['tool'][0].distance_to(Pose(*desk.robot.direct_kinematics(q))) == (0, 0)

@@ -15,6 +15,7 @@ import numpy as np
 from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
 from robots_controller.io.io_image import Channel
 from robots_controller.measuring.frame_measuring import FrameMeasuring
+from robots_controller.measuring.frame_measuring import Sequence as Touched
 from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.jog.held_button import HeldButton, standing
 from robots_controller.pendant.jog.jog_prediction import JogPrediction, PredictedStop
@@ -28,6 +29,7 @@ from robots_controller.pendant.program_editing import findings, save_program
 from robots_controller.pendant.programs import program_file
 from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.trends import Trends
+from robots_controller.program.files.taught_points import TaughtPoint
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -140,8 +142,7 @@ class PendantOperator:
         Raises:
             RobotsError: the points file is not valid.
         """
-        path = self.state.program.points_file
-        points = self.teaching.points(Path(path)) if path else {}
+        points = self.points()
         base = frame(self.state.settings.base, 'base')
         return {'': base, **{name: points[name].pose for name in sorted(points)}}
 
@@ -222,6 +223,15 @@ class PendantOperator:
 
     # -- points and programs ------------------------------------------------------------------------------
 
+    def points(self) -> Mapping[str, TaughtPoint]:
+        """The points of the program that is open, by name.
+
+        Raises:
+            RobotsError: the points file is not valid.
+        """
+        path = self.state.program.points_file
+        return self.teaching.points(Path(path)) if path else {}
+
     def teach(self, viewer: str, name: str) -> None:
         """Store where the robot stands as a point of the program that is open.
 
@@ -299,27 +309,24 @@ class PendantOperator:
         """
         return call_stack_from_json(self._port.call_stack())
 
-    def check_measuring(self, viewer: str) -> None:
-        """Check that a viewer may measure tools and bases now, and save them.
+    def measure(self, viewer: str, step: Callable[[], None]) -> None:
+        """Do a step of `measuring`, if the viewer may now."""
+        self._check(viewer, Action.TEACH)
+        step()
+
+    def touch(self, viewer: str, sequence: Touched) -> None:
+        """Touch the next point of a sequence of `measuring`, where the robot stands.
 
         Raises:
-            NotPermittedError: it may not.
+            RobotsError: the robot moves, or all points are touched.
         """
         self._check(viewer, Action.TEACH)
-
-    def measured_position(self, viewer: str) -> Array:
-        """Where the robot stands as it is measured, (n,), rad (m), for a viewer that may measure.
-
-        Raises:
-            NotPermittedError: it may not, or the robot moves.
-        """
-        self.check_measuring(viewer)
         q, q_dot = self.state.q, self.state.q_dot
         if q is None:
             raise NotPermittedError(Reason('no_position'))
         if q_dot is not None and (np.abs(q_dot) > STANDING * self.robot.axes_data.velocity).any():
             raise NotPermittedError(Reason('moving'))
-        return q
+        self.measuring.touch(sequence, q)
 
     def _reopen(self) -> None:
         """Open the program again, which has changed; what is wrong with it is shown with it."""

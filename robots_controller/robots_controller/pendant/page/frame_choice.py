@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.elements import Changes
 from robots_controller.pendant.page.viewer import Viewer
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
@@ -23,7 +24,7 @@ class FrameChoice:
     def __init__(self, viewer: Viewer, refused: Callable[[str], None]) -> None:
         self._viewer, self._refused = viewer, refused
         self._poses: dict[str, Pose] = {}
-        self._known: object = None
+        self._changed = Changes()
         self._base = viewer.texts('jog.program_base')
         self.element = (
             Choice({'': self._base}, value='')
@@ -35,19 +36,19 @@ class FrameChoice:
     @property
     def pose(self) -> Pose:
         """The frame that is chosen, in the robot's base."""
-        if self.element.value and self._known != self._state():
+        if self.element.value and self._changed(*self._state()):
             self.element.show(self._read())
         base = frame(self._viewer.operator.state.settings.base, 'base')
         return self._poses.get(str(self.element.value), base) if self.element.value else base
 
-    def _state(self) -> object:
+    def _state(self) -> tuple[object, ...]:
         """Another one after each change of the points."""
         file = self._viewer.operator.state.program.points_file
         return file, when_written(file)
 
     def _read(self) -> dict[str, str]:
         self._refused('')
-        self._known = self._state()
+        self._changed(*self._state())
         try:
             self._poses = self._viewer.operator.jog_frames()
         except RobotsError as error:

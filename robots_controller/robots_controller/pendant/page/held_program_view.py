@@ -8,6 +8,7 @@ from typing import Any
 from nicegui import run, ui
 
 from robots_controller.interpreter.debugger import CallStack, Variable
+from robots_controller.pendant.page.elements import Changes
 from robots_controller.pendant.page.viewer import Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.program.run_state import RunState
@@ -23,7 +24,7 @@ class HeldProgramView:
 
     def __init__(self, viewer: Viewer) -> None:
         self._viewer = viewer
-        self._shown: tuple[Any, ...] = ()
+        self._changed = Changes()
         self._asking = False
         with ui.element('div').classes('variables') as self.element:
             self._hint = ui.label(viewer.texts('held.none')).classes('hint')
@@ -34,9 +35,8 @@ class HeldProgramView:
         program = state.program
         held = program.state is RunState.PAUSED
         shown = (program.path, program.file, program.line, program.hold) if held else ()
-        if shown == self._shown or self._asking:
+        if self._asking or not self._changed(*shown):
             return
-        self._shown = shown
         stack = None
         if held:
             self._asking = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -10,6 +11,7 @@ from nicegui import ui
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.page.elements import Changes, icon_button, mark, show_text
 from robots_controller.pendant.page.plc_line import PlcLine
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
@@ -37,8 +39,7 @@ class _Row:
         self.shown = value, forced
         digital = self.channel.kind == 'digital'
         self.value.set_text(f'{value:.0f}' if digital else f'{value:g}')
-        on = digital and bool(value)
-        self.lamp.classes(add='on' if on else '', remove='' if on else 'on')
+        mark(self.lamp, 'on', on=digital and bool(value))
         if self.forced is not None:
             self.forced.set_visibility(forced)
 
@@ -53,8 +54,7 @@ class IoPanel:
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
         self._rows: list[_Row] = []
-        self._built: tuple[str, object, object] | None = None
-        self._blocked: str | None = None
+        self._changed = Changes()
         with ui.element('div').classes('panel io-panel'):
             self._search = (
                 ui.input(text('io.search')).props('dense outlined clearable debounce=200').classes('search')
@@ -69,19 +69,15 @@ class IoPanel:
         io = state.io
         self._plc.refresh(state)
         sizes = {key: len(one) for key, one in io.values.items()}
-        wanted = str(self._search.value or ''), io.labels, (sizes, io.forced)
-        if wanted != self._built:
-            self._built = wanted
-            self._build(io, wanted[0])
+        part = str(self._search.value or '')
+        if self._changed(part, io.labels, sizes, io.forced):
+            self._build(io, part)
         for row in self._rows:
             channel = row.channel
             row.show(io.values[channel.image][channel.index - 1], forced=channel.name in io.forced)
         reason = self._viewer.reason(Action.SWITCH)
-        if reason != self._blocked:
-            self._blocked = reason
-            self._hint.set_text(reason)
-            self._hint.set_visibility(bool(reason))
-            self._columns.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
+        show_text(self._hint, reason)
+        mark(self._columns, 'blocked', on=bool(reason))
 
     def _build(self, io: ShownIo, part: str) -> None:
         self._rows = []
@@ -121,49 +117,37 @@ class IoPanel:
 
     def _build_switch(self, channel: Channel) -> None:
         if channel.kind == 'digital':
-            ui.button(icon='toggle_on', color=None).props(
-                f'flat dense round aria-label="{channel.name}"'
-            ).classes('switch').on(
+            icon_button('toggle_on', channel.name).classes('switch').on(
                 'click', lambda event: self._set(channel, 0.0 if event.args else 1.0), js_handler=WAS_ON
             )
             return
-        with (
-            ui.button(icon='edit', color=None).props(f'flat dense round aria-label="{channel.name}"'),
-            ui.menu() as menu,
-        ):
-            entry = ui.number(channel.name).props('dense outlined').classes('entry')
-            ui.button(
-                self._viewer.texts('io.set'), on_click=lambda: self._set(channel, entry.value, menu)
-            ).props('flat no-caps')
+        with icon_button('edit', channel.name), ui.menu() as menu:
+            self._build_entry(channel, menu, self._set)
 
     def _build_force(self, channel: Channel) -> None:
         text = self._viewer.texts
-        with (
-            ui.button(icon='bolt', color=None).props(f'flat dense round aria-label="{channel.name}"'),
-            ui.menu() as menu,
-        ):
+        with icon_button('bolt', channel.name), ui.menu() as menu:
             if channel.kind == 'digital':
                 ui.menu_item(text('io.force_on'), partial(self._force, channel, 1.0))
                 ui.menu_item(text('io.force_off'), partial(self._force, channel, 0.0))
             else:
-                entry = ui.number(channel.name).props('dense outlined').classes('entry')
-                ui.button(text('io.set'), on_click=lambda: self._force(channel, entry.value, menu)).props(
-                    'flat no-caps'
-                )
+                self._build_entry(channel, menu, self._force)
             ui.menu_item(text('io.release'), partial(self._force, channel, None))
+
+    def _build_entry(self, channel: Channel, menu: ui.menu, give: Callable[..., Awaitable[object]]) -> None:
+        entry = ui.number(channel.name).props('dense outlined').classes('entry')
+
+        async def press() -> None:
+            if entry.value is not None or channel.direction == 'input':  # which is released
+                await give(channel, entry.value)
+                menu.close()
+
+        ui.button(self._viewer.texts('io.set'), on_click=press).props('flat no-caps')
 
     # -- what is pressed ----------------------------------------------------------------------------------
 
-    async def _set(self, channel: Channel, value: float | None, menu: ui.menu | None = None) -> None:
-        viewer = self._viewer
-        if value is None:
-            return
-        await viewer.do(self.line, lambda: viewer.operator.set_output(viewer.id, channel, value))
-        if menu is not None:
-            menu.close()
+    async def _set(self, channel: Channel, value: float) -> None:
+        await self._viewer.do(self.line, self._viewer.operator.set_output, channel, value)
 
-    async def _force(self, channel: Channel, value: float | None, menu: ui.menu | None = None) -> None:
-        viewer = self._viewer
-        await viewer.do(self.line, lambda: viewer.operator.force_input(viewer.id, channel, value))
-        if menu is not None:
-            menu.close()
+    async def _force(self, channel: Channel, value: float | None) -> None:
+        await self._viewer.do(self.line, self._viewer.operator.force_input, channel, value)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from nicegui import ui
 
 from robots_controller.pendant.jog.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.page.elements import choices, mark
 from robots_controller.pendant.page.frame_choice import FrameChoice
 from robots_controller.pendant.page.target_panel import TargetPanel
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
@@ -47,9 +48,8 @@ class _Row:
 
     @staticmethod
     def _button(key: str, sign: str, label: str) -> None:
-        with (
-            ui.element('button').classes('jog').props(f'type=button data-press="{key}" aria-label="{label}"')
-        ):
+        button = ui.element('button').classes('jog')
+        with button.props(f'type=button data-press="{key}" aria-label="{label}"'):
             ui.label(sign)
 
     def show(self, value: str, part: float | None = None, *, near: bool = False) -> None:
@@ -58,7 +58,7 @@ class _Row:
         self._bar.set_visibility(part is not None)
         if part is not None:
             self._bar.style(f'left: {100.0 * part:.1f}%')
-        self._bar.classes(add='near' if near else '', remove='' if near else 'near')
+        mark(self._bar, 'near', on=near)
 
 
 class JogPanel:
@@ -71,55 +71,41 @@ class JogPanel:
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
         self._frame: JogFrame = 'axes'
-        self._step = 0.0  # mm or deg
-        self.speed = FIRST_SPEED / 100.0
-        """Part of the highest jog speed."""
         with ui.element('div').classes('panel jog-panel'):
             with ui.element('div').classes('choices'):
-                ui.toggle(
-                    {frame: text(f'jog.{frame}') for frame in (*JOG_FRAMES, TARGET)},
-                    value=self._frame,
-                    on_change=lambda event: self._choose(event.value),
-                ).props('unelevated no-caps')
+                frames = {frame: text(f'jog.{frame}') for frame in (*JOG_FRAMES, TARGET)}
+                self._chosen = choices(frames, 'axes', self._choose)
                 self._taught = FrameChoice(viewer, self._refuse)
                 with ui.element('div').classes('choice') as self._steps:
-                    ui.label(text('jog.step')).classes('caption')
-                    ui.toggle(
-                        {step: f'{step:g}' if step else '∞' for step in STEPS},
-                        value=0.0,
-                        on_change=lambda event: self._set_step(event.value),
-                    ).props(f'unelevated no-caps padding="4px 9px" aria-label="{text("jog.step")}"')
+                    steps = {step: f'{step:g}' if step else '∞' for step in STEPS}
+                    self._step = _small_choices(text('jog.step'), steps, STEPS[0])
                 with ui.element('div').classes('choice'):
-                    ui.label(text('jog.speed')).classes('caption')
-                    ui.toggle(
-                        {speed: f'{speed} %' for speed in SPEEDS},
-                        value=FIRST_SPEED,
-                        on_change=lambda event: self._set_speed(event.value),
-                    ).props(f'unelevated no-caps padding="4px 9px" aria-label="{text("jog.speed")}"')
+                    speeds = {speed: f'{speed} %' for speed in SPEEDS}
+                    self._speed = _small_choices(text('jog.speed'), speeds, FIRST_SPEED)
             self.line = RefusalLine()
             self._hint = ui.label(text('jog.hint')).classes('hint')
             self._rows_place = ui.element('div').classes('rows')
             self._target = TargetPanel(viewer, lambda: self.speed, self.line)
             self._pose = ui.label().classes('pose number')
         self._rows: list[_Row] = []
-        self._blocked: str | None = None
-        self._build_rows()
-        self._target.set_shown(shown=False)
-        self._taught.element.set_visibility(False)
+        self._choose()
 
-    def _choose(self, frame: str) -> None:
+    def _choose(self) -> None:
+        frame = self._chosen.value
         typed = frame == TARGET
         self._target.set_shown(shown=typed)
         self._rows_place.set_visibility(not typed)
         self._steps.set_visibility(not typed)
         self._taught.element.set_visibility(frame == 'taught')
         if not typed:
-            self._frame = JOG_FRAMES[JOG_FRAMES.index(frame)]
+            self._frame = frame
             self._build_rows()
         self.refresh(self._viewer.operator.state)
 
-    def _set_step(self, step: float) -> None:
-        self._step = step
+    @property
+    def speed(self) -> float:
+        """Part of the highest jog speed."""
+        return float(self._speed.value) / 100.0
 
     def step(self, key: str) -> float:
         """Size of the steps that a button makes, rad or m; 0 for a jog."""
@@ -129,7 +115,8 @@ class JogPanel:
             return 0.0
         slides = self._viewer.operator.robot.axes_data.prismatic
         straight = any(slides[int(index) : int(index) + 1]) if frame == 'axes' else int(index) < 3
-        return self._step / 1e3 if straight else math.radians(self._step)
+        step = float(self._step.value)
+        return step / 1e3 if straight else math.radians(step)
 
     @property
     def taught(self) -> Array:
@@ -138,9 +125,6 @@ class JogPanel:
 
     def _refuse(self, text: str) -> None:
         self.line.show(text)
-
-    def _set_speed(self, percent: int) -> None:
-        self.speed = percent / 100.0
 
     def _build_rows(self) -> None:
         self._rows_place.clear()
@@ -152,13 +136,13 @@ class JogPanel:
         """Show a state."""
         reason = self._viewer.reason(Action.JOG)
         warning = reason or self._ahead() or self._limited(state) or state.hindrance
-        self._hint.set_text(warning or self._viewer.texts('jog.step_hint' if self._step else 'jog.hint'))
+        self._hint.set_text(
+            warning or self._viewer.texts('jog.step_hint' if self._step.value else 'jog.hint')
+        )
         warned = bool(warning)
         self._hint.set_visibility(warned or not self._target.element.visible)
-        self._hint.classes(add='warned' if warned else '', remove='' if warned else 'warned')
-        if reason != self._blocked:
-            self._blocked = reason
-            self._rows_place.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
+        mark(self._hint, 'warned', on=warned)
+        mark(self._rows_place, 'blocked', on=bool(reason))
         self._pose.set_text(self._pose_text(state))
         self._show_failure()
         self._target.refresh(state)
@@ -210,6 +194,11 @@ class JogPanel:
         x, y, z = np.round(1e3 * state.tool.r, 1) + 0.0
         turned = '  '.join(f'{angle:.2f}°' for angle in np.round(angles, 2) + 0.0)
         return f'X {x:.1f}  Y {y:.1f}  Z {z:.1f} mm   {convention}: {turned}'
+
+
+def _small_choices(caption: str, options: dict[Any, str], first: float) -> ui.toggle:
+    ui.label(caption).classes('caption')
+    return choices(options, first).props(f'padding="4px 9px" aria-label="{caption}"')
 
 
 def _limit_text(text: Texts, limit: str) -> str:

@@ -10,13 +10,12 @@ from typing import Final
 from nicegui import ui
 
 from robots_controller.pendant.message_log import Level, LoggedMessage
+from robots_controller.pendant.page.elements import Changes, choices, text_button
 from robots_controller.pendant.page.viewer import Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.texts import Texts
 
 MOST_ROWS: Final = 100
-ICONS: Final = {Level.INFO: 'info', Level.WARNING: 'warning', Level.ERROR: 'error'}
-NAMES: Final = {Level.INFO: 'info', Level.WARNING: 'warning', Level.ERROR: 'error'}
 
 
 class MessagePanel:
@@ -28,40 +27,27 @@ class MessagePanel:
 
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
-        self._built: tuple[int, str, Level] | None = None
+        self._changed = Changes()
         self._known: Sequence[LoggedMessage] = ()
         with ui.element('div').classes('panel message-panel'):
             with ui.element('div').classes('row-of-buttons'):
-                self._lowest = ui.toggle(
-                    {
-                        Level.INFO: text('messages.all'),
-                        Level.WARNING: text('messages.warnings'),
-                        Level.ERROR: text('messages.errors'),
-                    },
-                    value=Level.INFO,
-                ).props('unelevated no-caps')
+                names = {Level.INFO: 'all', Level.WARNING: 'warnings', Level.ERROR: 'errors'}
+                shown = {level: text(f'messages.{name}') for level, name in names.items()}
+                self._lowest = choices(shown, Level.INFO)
             with ui.element('div').classes('row-of-buttons'):
                 self._search = ui.input(text('messages.search')).props(
                     'dense outlined clearable debounce=200'
                 )
-                ui.button(
-                    text('messages.acknowledge'),
-                    icon='done_all',
-                    on_click=self._acknowledge,
-                    color=None,
-                ).props('unelevated no-caps').classes('action')
-                ui.button(text('messages.export'), icon='download', on_click=self._export, color=None).props(
-                    'unelevated no-caps'
-                ).classes('action')
+                text_button(text('messages.acknowledge'), 'done_all', self._acknowledge)
+                text_button(text('messages.export'), 'download', self._export)
             self._list = ui.html('', sanitize=False).classes('messages')
 
     def refresh(self, _state: PendantState) -> None:
         """Show the messages."""
         log, part, lowest = self._viewer.operator.messages, str(self._search.value or ''), self._lowest.value
-        wanted = log.version, part, lowest
-        if wanted == self._built:
+        if not self._changed(log.version, part, lowest):
             return
-        self._built, self._known = wanted, log.shown()
+        self._known = log.shown()
         rows = [_row(message, self._viewer.texts) for message in log.shown(lowest, part)[:MOST_ROWS]]
         nothing = f'<div class="hint">{escape(self._viewer.texts("messages.none"))}</div>'
         self._list.set_content(''.join(rows) or nothing)
@@ -80,12 +66,12 @@ class MessagePanel:
 def _cells(message: LoggedMessage) -> tuple[str, ...]:
     when = time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(message.time))
     text = ' '.join(message.text.split())
-    return when, NAMES[message.level], message.node, message.place, str(message.count), text
+    return when, message.level.name.lower(), message.node, message.place, str(message.count), text
 
 
 def _row(message: LoggedMessage, text: Texts) -> str:
     when, name, node, place, *_ = _cells(message)
-    icon = f'<i class="material-icons" title="{escape(text(f"messages.{name}"))}">{ICONS[message.level]}</i>'
+    icon = f'<i class="material-icons" title="{escape(text(f"messages.{name}"))}">{name}</i>'
     count = f'<span class="count">×{message.count}</span>' if message.count > 1 else ''  # noqa: RUF001
     return (
         f'<div class="message {name}{" seen" if message.acknowledged else ""}">{icon}'

@@ -19,9 +19,9 @@ from nicegui.language import Language
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.access.origin_guard import SCENE
-from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
+from robots_controller.pendant.page.measuring.frames_panel import FramesPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
@@ -40,14 +40,15 @@ GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no con
 ANSWERS_WITHIN: Final = 30.0  # s in which a browser that comes back answers
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
-TABS: Final = {
-    'jog': 'gamepad',
-    'program': 'code',
-    'io': 'toggle_on',
-    'trends': 'show_chart',
-    'frames': 'straighten',
-    'messages': 'notifications',
+PANELS: Final[Mapping[str, tuple[str, Callable[[Viewer], Panel]]]] = {
+    'jog': ('gamepad', JogPanel),
+    'program': ('code', ProgramPanel),
+    'io': ('toggle_on', IoPanel),
+    'trends': ('show_chart', TrendPanel),
+    'frames': ('straighten', FramesPanel),
+    'messages': ('notifications', MessagePanel),
 }
+"""Icons, and what makes the panels."""
 
 
 class PendantPage:
@@ -70,7 +71,9 @@ class PendantPage:
         self._number = 0  # of the newest press
         self._taught: Array = np.eye(3)  # orientation of the taught frame at its begin
         address = request.client.host if request.client else ''
-        self._viewer = viewer = Viewer(client.id, operator, read_texts(language), self.refresh, address)
+        self._viewer = viewer = Viewer(
+            client.id, operator, read_texts(language), self.refresh, folder, address
+        )
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
         ui.colors(primary='#00796b')
@@ -86,7 +89,7 @@ class PendantPage:
                     self._scene = ui.element('iframe').props('title=3D')
                     self._scene.set_visibility(False)
                 with ui.element('section').classes('side'):
-                    self._build_panels(folder)
+                    self._build_panels()
         ui.on('pendant_hold', self._hold)
         ui.on('pendant_release', self._release)
         self._connected_before = False
@@ -96,37 +99,29 @@ class PendantPage:
         self.refresh()
         ui.timer(PERIOD, self._refresh_with_scene)
 
-    def _build_panels(self, folder: Path) -> None:
+    def _build_panels(self) -> None:
         text = self._viewer.texts
         with ui.tabs().props('dense no-caps inline-label mobile-arrows').classes('tabs') as self._tabs:
-            for name, icon in TABS.items():
+            for name, (icon, _) in PANELS.items():
                 with ui.tab(name, text(f'tabs.{name}'), icon):
                     if name == 'messages':
                         self._pending = ui.badge().props('floating color=negative')
         with ui.tab_panels(self._tabs, value='jog', animated=False).classes('panels').props('keep-alive'):
-            self._places = {name: ui.tab_panel(name) for name in TABS}
-        viewer = self._viewer
-        self._makers: dict[str, Callable[[], Panel]] = {
-            'program': lambda: ProgramPanel(viewer, folder),
-            'io': lambda: IoPanel(viewer),
-            'trends': lambda: TrendPanel(viewer),
-            'frames': lambda: FramesPanel(viewer, folder),
-            'messages': lambda: MessagePanel(viewer),
-        }
+            self._places = {name: ui.tab_panel(name) for name in PANELS}
         with self._places['jog']:
-            self._jog = JogPanel(viewer)
+            self._jog = JogPanel(self._viewer)
         self._panels: dict[str, Panel] = {'jog': self._jog}
 
     def _panel(self, name: str) -> Panel:
         """A panel, which is made when it is opened first: a page with all of them takes long to load."""
         if name not in self._panels:
             with self._places[name]:
-                self._panels[name] = self._makers[name]()
+                self._panels[name] = PANELS[name][1](self._viewer)
         return self._panels[name]
 
     # -- what is held -------------------------------------------------------------------------------------
 
-    def _hold(self, event: GenericEventArguments) -> Awaitable[bool] | None:
+    def _hold(self, event: GenericEventArguments) -> Awaitable[object] | None:
         """Take a sign at once, before the release is served; the action that it starts may take longer."""
         number, key = _press(event.args)
         program = self._panels.get('program') if key == RUN_KEY or key.startswith(STEP_KEY) else None
@@ -146,9 +141,8 @@ class PendantPage:
         if action is None:
             return None
         if action is Action.STEP:
-            step = key.removeprefix(STEP_KEY)
-            return self._viewer.do(line, lambda: self._operator.step(self._viewer.id, step))
-        return self._viewer.do(line, lambda: self._operator.act(self._viewer.id, action))
+            return self._viewer.do(line, self._operator.step, key.removeprefix(STEP_KEY))
+        return self._viewer.do(line, self._operator.act, action)
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)

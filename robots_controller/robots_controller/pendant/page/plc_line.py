@@ -8,6 +8,7 @@ from typing import Final
 from nicegui import ui
 
 from robots_controller.pendant.channels import channel_label
+from robots_controller.pendant.page.elements import mark
 from robots_controller.pendant.page.viewer import Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
 
@@ -25,7 +26,6 @@ class PlcLine:
     def __init__(self, viewer: Viewer) -> None:
         self._viewer = viewer
         self._label = ui.label().classes('plc number')
-        self._bad: bool | None = None
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
@@ -33,7 +33,6 @@ class PlcLine:
         self._label.set_visibility(bool(plc.script))
         if not plc.script:
             return
-        bad = plc.lost or bool(plc.error)
         if plc.lost:
             does = text('plc.lost')
         elif plc.error:
@@ -41,9 +40,7 @@ class PlcLine:
         else:
             does = '; '.join(self._pending(state)) or text('plc.waits')
         self._label.set_text(f'{text("plc.name", script=plc.script)}: {does}')
-        if bad != self._bad:
-            self._bad = bad
-            self._label.classes(add='wrong' if bad else '', remove='' if bad else 'wrong')
+        mark(self._label, 'wrong', on=plc.lost or bool(plc.error))
 
     def _pending(self, state: PendantState) -> Iterator[str]:
         now = self._viewer.operator.now()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from nicegui import ui
 
+from robots_controller.pendant.page.elements import text_button
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.program_editing import completions
@@ -34,9 +35,7 @@ class ProgramEditor:
             self._place = ui.element('div').classes('text')
             with ui.element('div').classes('row-of-buttons'):
                 self._save_button = ActionButton(viewer, Action.EDIT, text('edit.save'), 'save', self._save)
-                ui.button(text('edit.discard'), icon='close', on_click=self.close, color=None).props(
-                    'unelevated no-caps'
-                ).classes('action')
+                text_button(text('edit.discard'), 'close', self.close)
         self._code: ui.codemirror | None = None
         self.element.set_visibility(False)
 
@@ -60,19 +59,14 @@ class ProgramEditor:
         self.element.set_visibility(True)
 
     async def _save(self) -> None:
-        viewer, code = self._viewer, self._code
-        if code is None:
+        if self._code is None:
             return
-        text = str(code.value)
+        text = str(self._code.value)
         after = text.replace('\n', '\r\n') if '\r\n' in self._before else text
-        problems: list[ProgramProblem] = []
-
-        def work() -> None:
-            problems.extend(viewer.operator.save_program(viewer.id, self._file, self._before, after))
-
-        if await viewer.do(self._line, work):
+        save = self._viewer.operator.save_program
+        if saved := await self._viewer.do(self._line, save, self._file, self._before, after):
             self._leave()
-            self._closed(problems)
+            self._closed(saved[0])
 
     def close(self) -> None:
         """Give up what was not saved."""

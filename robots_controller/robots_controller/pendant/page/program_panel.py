@@ -16,6 +16,7 @@ from pygments.lexers import LuaLexer
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.elements import Changes, held_button, mark, show_text
 from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
@@ -25,7 +26,6 @@ from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
 from robots_controller.program.run_state import RunState
 from robots_controller.program_check.program_check import ProgramProblem
-from robots_core.cell_interface.operating_modes import MODES
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
@@ -48,34 +48,27 @@ class ProgramPanel:
 
     Args:
         viewer: Its page.
-        folder: Of the programs.
     """
 
-    def __init__(self, viewer: Viewer, folder: Path) -> None:
-        self._viewer, self._folder, text = viewer, folder, viewer.texts
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, self._folder, text = viewer, viewer.folder, viewer.texts
         self._shown: tuple[str, str, int, bool] | None = None  # path, file, when it was written, open
         self._cursor = 0  # the line after which motions are inserted
-        self._marks = ''
-        self._printed = -1
+        self._marked = Changes()
+        self._printed = Changes()
         self._problems: Sequence[ProgramProblem] = ()
         with ui.element('div').classes('panel program-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
-                    Choice(program_files(folder), with_input=True)
+                    Choice(program_files(self._folder), with_input=True)
                     .when_chosen(self._open)
-                    .when_opened(lambda: program_files(folder))
+                    .when_opened(lambda: program_files(self._folder))
                     .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
                 self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
-                with (
-                    ui.element('button')
-                    .classes('hold')
-                    .props(f'type=button data-press="{RUN_KEY}"') as self._hold
-                ):
-                    ui.icon('play_arrow')
-                    ui.label(text('program.hold'))
+                with held_button(RUN_KEY, 'play_arrow', text('program.hold')) as self._hold:
                     ui.tooltip(text('program.hold_hint'))
                 self._buttons = {
                     action: ActionButton(
@@ -84,8 +77,8 @@ class ProgramPanel:
                     for action, key, icon in BUTTONS
                 }
             with ui.element('div').classes('row-of-buttons steps') as self._steps:
-                for step in STEPS:
-                    _step_button(step, text(f'step.{step}'))
+                for step, icon in STEPS.items():
+                    held_button(f'{STEP_KEY}{step}', icon, text(f'step.{step}')).classes('step')
             self.line = RefusalLine()
             self._error = ui.label().classes('refusal')
             with ui.element('div').classes('row-of-buttons changed') as self._changed:
@@ -116,56 +109,47 @@ class ProgramPanel:
         viewer = self._viewer
         path = str(self._folder / name) if name else ''
         program = viewer.operator.state.program
-        before = program.path
-        if not path or (path == before and program.state is not RunState.IDLE):
+        if not path or (path == program.path and program.state is not RunState.IDLE):
             return
-        if not await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path)):
-            self._show_choice(before)  # so that the same one can be chosen again
+        if not await viewer.do(self.line, viewer.operator.open_program, path):
+            self._show_choice(program.path)  # so that the same one can be chosen again
 
     async def _open_again(self) -> None:
-        viewer = self._viewer
-        path = viewer.operator.state.program.path
-        await viewer.do(self.line, lambda: viewer.operator.open_program(viewer.id, path))
+        operator = self._viewer.operator
+        await self._viewer.do(self.line, operator.open_program, operator.state.program.path)
 
     async def _act(self, action: Action) -> None:
-        viewer = self._viewer
-        await viewer.do(self.line, lambda: viewer.operator.act(viewer.id, action))
+        await self._viewer.do(self.line, self._viewer.operator.act, action)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
-        held = state.mode is not None and MODES[state.mode].held
+        held = state.run_is_held
         self._hold.set_visibility(held)
-        blocked = bool(self._viewer.reason(Action.HOLD_RUN))
-        self._hold.classes(add='blocked' if blocked else '', remove='' if blocked else 'blocked')
+        mark(self._hold, 'blocked', on=bool(self._viewer.reason(Action.HOLD_RUN)))
         for action, button in self._buttons.items():
             button.refresh()
             if action in HELD:
                 button.element.set_visibility(not held)
         program = state.program
-        self._error.set_text(program.error)
-        self._error.set_visibility(bool(program.error))
+        show_text(self._error, program.error)
         self._show_source(state)
         self._show_change(state)
         self._teach.refresh(state)
         self._edit.refresh()
         self._editor.refresh()
         background_tasks.create(self._held.refresh(state))
-        blocked = bool(self._viewer.reason(Action.STEP))
-        self._steps.classes(add='blocked' if blocked else '', remove='' if blocked else 'blocked')
-        line = program.line if program.file == self._file else 0
-        motion = program.motion_line if program.motion_file == self._file else 0
+        mark(self._steps, 'blocked', on=bool(self._viewer.reason(Action.STEP)))
         marks = {
-            'line': line,
-            'motion': motion,
+            'line': program.line if program.file == self._file else 0,
+            'motion': program.motion_line if program.motion_file == self._file else 0,
             'failed': bool(program.error),
             'cursor': self._cursor,
             'breakpoints': sorted(state.breakpoints.get(self._file, ())),
             'findings': {one.line: one.reason for one in self._problems if one.file == self._file},
         }
-        if (text := json.dumps(marks)) != self._marks:
-            self._marks = text
+        if self._marked(text := json.dumps(marks)):
             ui.run_javascript(f'pendant.mark({text})')
         self._show_prints()
 
@@ -183,7 +167,8 @@ class ProgramPanel:
         if self._shown is None or shown[:2] != self._shown[:2]:
             self._cursor, self._problems = 0, ()
             self._found.set_visibility(False)
-        self._shown, self._marks = shown, ''
+        self._shown = shown
+        self._marked.forget()
         if self._editor.open and not program.path:
             self._editor.close()
         text = self._viewer.texts
@@ -206,15 +191,15 @@ class ProgramPanel:
         self._again.refresh()
 
     def _show_choice(self, path: str) -> None:
-        name = str(Path(path).relative_to(self._folder)) if self._is_listed(path) else ''
+        listed = Path(path).is_relative_to(self._folder)
+        name = str(Path(path).relative_to(self._folder)) if listed else ''
         self._choice.set_value(name if name in self._choice.options else None)
 
     def _put_cursor(self, line: int) -> None:
         self._cursor = line
 
     async def _toggle_breakpoint(self, line: int) -> None:
-        viewer, file = self._viewer, self._file
-        await viewer.do(self.line, lambda: viewer.operator.toggle_breakpoint(viewer.id, file, line))
+        await self._viewer.do(self.line, self._viewer.operator.toggle_breakpoint, self._file, line)
 
     def _begin_edit(self) -> None:
         reason = self._viewer.reason(Action.EDIT)
@@ -232,7 +217,7 @@ class ProgramPanel:
 
     def _end_edit(self, problems: Sequence[ProgramProblem] | None) -> None:
         self._source.set_visibility(True)
-        self._marks = ''
+        self._marked.forget()
         if problems is None:
             return
         self._problems = problems
@@ -244,25 +229,13 @@ class ProgramPanel:
             for one in problems:
                 ui.label(str(one)).classes('finding').on('click', partial(self._put_cursor, one.line))
 
-    def _is_listed(self, path: str) -> bool:
-        return Path(path).is_relative_to(self._folder)
-
     def _show_prints(self) -> None:
         prints = list(self._viewer.operator.prints)[-SHOWN_PRINTS:]
-        newest = prints[-1][0] if prints else 0
-        if newest != self._printed:
-            self._printed = newest
+        if self._printed(prints):
             lines = [f'<div>{escape(one)}</div>' for _, one in prints]
             # Turned around by the style, so that the newest stays in view.
             nothing = f'<div class="hint">{escape(self._viewer.texts("program.nothing_printed"))}</div>'
             self._prints.set_content(''.join(reversed(lines)) or nothing)
-
-
-def _step_button(step: str, title: str) -> None:
-    key = f'{STEP_KEY}{step}'
-    with ui.element('button').classes('hold step').props(f'type=button data-press="{key}"'):
-        ui.icon(STEPS[step])
-        ui.label(title)
 
 
 def _note(text: str) -> str:

@@ -9,7 +9,8 @@ from typing import Final
 from nicegui import run, ui
 
 from robots_controller.pendant.jog.held_button import MOVE_KEY
-from robots_controller.pendant.jog.pendant_motion import WAYS, Preview, Way
+from robots_controller.pendant.jog.pendant_motion import WAYS, Preview
+from robots_controller.pendant.page.elements import choices, held_button, mark, text_button
 from robots_controller.pendant.page.viewer import PERIOD, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError, RobotsError
@@ -29,44 +30,25 @@ class TargetPanel:
 
     def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:
         self._viewer, self._speed, self._line = viewer, speed, line
-        self._way: Way = 'joints'
         self._around: Preview | None = None  # what the ghost runs along
         self._played = 0.0  # s of it
         self._fields: list[tuple[ui.number, float]] = []  # with the factor from SI
         text = viewer.texts
         with ui.element('div').classes('panel target') as self.element:
-            ui.toggle(
-                {way: text(f'target.{way}') for way in WAYS},
-                value=self._way,
-                on_change=lambda event: self._choose(event.value),
-            ).props('unelevated no-caps')
+            ways = {way: text(f'target.{way}') for way in WAYS}
+            self._way = choices(ways, 'joints', self._build)
             self._grid = ui.element('div').classes('fields')
             with ui.element('div').classes('row-of-buttons'):
-                for name, icon, press in (
-                    ('present', 'my_location', self._fill),
-                    ('preview', 'visibility', self._preview),
-                ):
-                    ui.button(text(f'target.{name}'), icon=icon, on_click=press, color=None).props(
-                        'unelevated no-caps'
-                    ).classes('action')
-                with (
-                    ui.element('button')
-                    .classes('hold')
-                    .props(f'type=button data-press="{MOVE_KEY}"') as self._move
-                ):
-                    ui.icon('play_arrow')
-                    ui.label(text('target.move'))
+                text_button(text('target.present'), 'my_location', self._fill)
+                text_button(text('target.preview'), 'visibility', self._preview)
+                self._move = held_button(MOVE_KEY, 'play_arrow', text('target.move'))
             self._found = ui.label().classes('hint')
-        self._build()
-
-    def _choose(self, way: Way) -> None:
-        self._way = way
         self._build()
 
     def _build(self) -> None:
         robot, convention = self._viewer.operator.robot, self._viewer.operator.robot.orientation_convention
         self._grid.clear()
-        if self._way == 'joints':
+        if self._way.value == 'joints':
             axes = robot.axes_data
             named = [
                 (name, 'm' if slides else '') for name, slides in zip(axes.names, axes.prismatic, strict=True)
@@ -91,7 +73,7 @@ class TargetPanel:
         state = self._viewer.operator.state
         if state.q is None or state.tool is None:
             return
-        if self._way == 'joints':
+        if self._way.value == 'joints':
             values = state.q.tolist()
         else:
             angles = state.tool.angles(self._viewer.operator.robot.orientation_convention)
@@ -105,7 +87,7 @@ class TargetPanel:
 
     def _show(self, found: Preview | None) -> None:
         self._around, self._played = (found if found is not None and found.around else None), 0.0
-        self._move.classes(add='' if found else 'blocked', remove='blocked' if found else '')
+        mark(self._move, 'blocked', on=found is None)
         text = self._viewer.texts
         if found is None:
             self._found.set_text(text('target.hint'))
@@ -127,7 +109,7 @@ class TargetPanel:
         try:
             values = [self._si(field, factor) for field, factor in self._fields]
             work = viewer.operator.preview
-            found = await run.io_bound(work, viewer.id, self._way, values, self._speed())
+            found = await run.io_bound(work, viewer.id, self._way.value, values, self._speed())
         except RobotsError as error:
             self._line.show(viewer.texts.error(error))
             self._show(None)

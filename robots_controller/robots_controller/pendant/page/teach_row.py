@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Final
 
 from nicegui import ui
 
 from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.elements import Changes, show_text
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -39,7 +39,7 @@ class TeachRow:
     ) -> None:
         self._viewer, self._line, self._cursor, self._inserted = viewer, line, cursor, inserted
         self._via = ''  # the point that an arc passes
-        self._read: tuple[str, int] | None = None
+        self._changed = Changes()
         text = viewer.texts
         with ui.element('div').classes('row-of-buttons teach'):
             self._name = (
@@ -54,14 +54,14 @@ class TeachRow:
             ]
             self._buttons.append(self._button(Action.EDIT, 'undo', 'undo', self._undo))
         self._hint = ui.label().classes('hint')
-        self._hint.set_visibility(False)
+        show_text(self._hint, '')
 
     def _button(self, action: Action, key: str, icon: str, press: Callable[[], object]) -> ActionButton:
         return ActionButton(self._viewer, action, self._viewer.texts(f'teach.{key}'), icon, press)
 
     async def _teach(self) -> None:
-        viewer, name = self._viewer, str(self._name.value or '') or self._free()
-        if await viewer.do(self._line, lambda: viewer.operator.teach(viewer.id, name)):
+        name = str(self._name.value or '') or self._free()
+        if await self._viewer.do(self._line, self._viewer.operator.teach, name):
             self._say('taught', name=name)
             self._show_points(name)
 
@@ -69,46 +69,36 @@ class TeachRow:
         viewer, given = self._viewer, str(self._name.value or '')
         name = self._free() if not given or given in self._name.options else given
         if motion == 'arc' and not self._via:
-            if await viewer.do(self._line, lambda: viewer.operator.teach(viewer.id, name)):
+            if await viewer.do(self._line, viewer.operator.teach, name):
                 self._via = name
                 self._say('via', name=name)
                 self._show_points('')
             return
         names = [self._via, name] if motion == 'arc' else [name]
-        file, line = self._cursor()
-        new: list[int] = []
-
-        def work() -> None:
-            new.append(viewer.operator.insert_motion(viewer.id, file, line, motion, names))
-
-        if await viewer.do(self._line, work):
+        if new := await viewer.do(self._line, viewer.operator.insert_motion, *self._cursor(), motion, names):
             self._via = ''
             self._say('inserted', name=name, line=new[0])
             self._show_points('')
             self._inserted(new[0])
 
     async def _undo(self) -> None:
-        viewer = self._viewer
-        if await viewer.do(self._line, lambda: viewer.operator.undo(viewer.id)):
+        if await self._viewer.do(self._line, self._viewer.operator.undo):
             self._via = ''
             self._say('undone')
             self._show_points('')
 
     def _say(self, key: str, **values: object) -> None:
-        self._hint.set_text(self._viewer.texts(f'teach.{key}', **values))
-        self._hint.set_visibility(True)
+        show_text(self._hint, self._viewer.texts(f'teach.{key}', **values))
 
     def _free(self) -> str:
         try:
-            path = self._viewer.operator.state.program.points_file
-            return free_name(self._viewer.operator.teaching.points(Path(path)))
+            return free_name(self._viewer.operator.points())
         except RobotsError:  # which teaching will say
             return 'P1'
 
     def _show_points(self, chosen: str) -> None:
-        path = self._viewer.operator.state.program.points_file
         try:
-            names = sorted(self._viewer.operator.teaching.points(Path(path))) if path else []
+            names = sorted(self._viewer.operator.points())
         except RobotsError as error:
             self._line.show(self._viewer.texts.error(error))
             names = []
@@ -118,7 +108,6 @@ class TeachRow:
         """Show a state."""
         for button in self._buttons:
             button.refresh()
-        read = state.program.points_file, when_written(state.program.points_file)
-        if read != self._read:
-            self._read = read
+        file = state.program.points_file
+        if self._changed(file, when_written(file)):
             self._show_points(str(self._name.value or ''))

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from robots_controller.pendant.channels import channel_label
 from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.elements import icon_button, mark
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -67,7 +68,11 @@ class TopBar:
             ui.icon('report')
             self._fault = ui.label()
             self._reset = ActionButton(
-                viewer, Action.RESET, text('bar.reset'), 'restart_alt', partial(self._act, Action.RESET)
+                viewer,
+                Action.RESET,
+                text('bar.reset'),
+                'restart_alt',
+                lambda: viewer.do(self.line, viewer.operator.act, Action.RESET),
             )
         with ui.element('div').classes('strip forced-strip') as self._forced_strip:
             ui.icon('bolt')
@@ -86,18 +91,14 @@ class TopBar:
                 ui.label(text('bar.override'))
                 self._override_value = ui.label('100 %').classes('number')
             with ui.element('div').classes('slider'):
-                ui.button(icon='remove', on_click=partial(self._change_override, -STEP), color=None).props(
-                    f'flat dense round aria-label="{text("bar.slower")}"'
-                )
+                icon_button('remove', text('bar.slower'), partial(self._change_override, -STEP))
                 self._slider = ui.slider(min=0, max=100, value=100).props(
                     f'aria-label="{text("bar.override")}"'
                 )
                 self._slider.on(
                     'update:model-value', lambda event: self._set_override(int(event.args)), throttle=0.05
                 )
-                ui.button(icon='add', on_click=partial(self._change_override, STEP), color=None).props(
-                    f'flat dense round aria-label="{text("bar.faster")}"'
-                )
+                icon_button('add', text('bar.faster'), partial(self._change_override, STEP))
 
     def _build_tools(self) -> None:
         text = self._texts
@@ -109,9 +110,8 @@ class TopBar:
                     text('bar.take'), icon='front_hand', on_click=self._toggle_control, color=None
                 )
                 self._take.props('unelevated no-caps dense').classes('control')
-                ui.button(icon='contrast', color=None).props(
-                    f'flat dense round aria-label="{text("bar.theme")}"'
-                ).on('click', js_handler='() => pendant.switchTheme()')
+                theme = icon_button('contrast', text('bar.theme'))
+                theme.on('click', js_handler='() => pendant.switchTheme()')
                 code = 'en' if text('bar.language') == 'English' else 'de'
                 ui.button(text('bar.language'), color=None).props('flat dense no-caps').classes(
                     'language'
@@ -139,34 +139,26 @@ class TopBar:
 
     # -- what is pressed ----------------------------------------------------------------------------------
 
-    async def _act(self, action: Action) -> None:
-        viewer = self._viewer
-        await viewer.do(self.line, lambda: viewer.operator.act(viewer.id, action))
-
     async def _choose_mode(self, mode: OperatingMode | None) -> None:
         viewer = self._viewer
         if mode not in (None, viewer.operator.state.mode):
-            await viewer.do(self.line, lambda: viewer.operator.set_mode(viewer.id, mode))
+            await viewer.do(self.line, viewer.operator.set_mode, mode)
             self._show_mode(viewer.operator.state)
 
     async def _change_override(self, step: int) -> None:
         await self._set_override(min(100, max(0, self._override + step)))
 
     async def _set_override(self, percent: int) -> None:
-        viewer = self._viewer
-        await viewer.do(self.line, lambda: viewer.operator.set_override(viewer.id, percent / 100.0))
-        self._slider.value = round(100.0 * viewer.operator.state.override)
+        operator = self._viewer.operator
+        await self._viewer.do(self.line, operator.set_override, percent / 100.0)
+        self._slider.value = round(100.0 * operator.state.override)
 
     async def _toggle_control(self) -> None:
         operator, viewer = self._viewer.operator, self._viewer
         if operator.desk.holder == viewer.id:
             operator.give_back_control(viewer.id)
         elif not operator.desk.holder or await self._dialog:
-
-            def take() -> None:
-                operator.take_control(viewer.id, address=viewer.address, from_other=True)
-
-            await viewer.do(self.line, take)
+            await viewer.do(self.line, operator.take_control, address=viewer.address, from_other=True)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
@@ -176,7 +168,8 @@ class TopBar:
         lost = bool(state.lost)
         self._link.set_text(text('bar.lost', lost=', '.join(state.lost)) if lost else text('bar.connected'))
         self._link_icon.set_name('link_off' if lost else 'link')
-        self._link_icon.classes(add='bad' if lost else 'good', remove='good' if lost else 'bad')
+        mark(self._link_icon, 'bad', on=lost)
+        mark(self._link_icon, 'good', on=not lost)
         self._show_mode(state)
         self._commander.set_text(text(f'commanders.{state.commander}'))
         program = state.program
@@ -219,4 +212,4 @@ class TopBar:
         who = 'in_control' if own else 'others' if holder else 'nobody'
         self._control.set_text(text(f'bar.{who}', address=desk.address))
         self._take.set_text(text('bar.give_back' if own else 'bar.take'))
-        self._take.classes(add='own' if own else '', remove='' if own else 'own')
+        mark(self._take, 'own', on=own)

@@ -8,6 +8,7 @@ from typing import Any, Final
 from nicegui import ui
 
 from robots_controller.pendant.page.choice import Choice
+from robots_controller.pendant.page.elements import choices, mark, show_text
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.trends import LONGEST, Signal
@@ -34,10 +35,9 @@ class TrendPanel:
 
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
-        self._window = WINDOWS[0]
         self._drawn = 0.0
         self._known: tuple[Signal, ...] = ()
-        self._recording: str | None = None
+        self._recording = ''
         with ui.element('div').classes('panel trend-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
@@ -46,11 +46,8 @@ class TrendPanel:
                     .classes('signals')
                 )
             with ui.element('div').classes('row-of-buttons'):
-                ui.toggle(
-                    {one: text('trends.window', seconds=one) for one in WINDOWS},
-                    value=self._window,
-                    on_change=lambda event: self._show_window(event.value),
-                ).props('unelevated no-caps padding="4px 9px"')
+                windows = {one: text('trends.window', seconds=one) for one in WINDOWS}
+                self._window = choices(windows, WINDOWS[0], self._draw_soon).props('padding="4px 9px"')
                 self._record = ui.button(text('trends.record'), on_click=self._toggle_record, color=None)
                 self._record.props('unelevated no-caps icon=fiber_manual_record').classes('action record')
                 ui.link(text('trends.report'), REPORT, new_tab=True).classes('report')
@@ -58,20 +55,20 @@ class TrendPanel:
             self._bag = ui.label().classes('hint')
             self._chart = ui.echart({'series': []}).classes('chart')
 
-    def _show_window(self, seconds: int) -> None:
-        self._window, self._drawn = seconds, 0.0
+    def _draw_soon(self) -> None:
+        self._drawn = 0.0
 
     def _limit(self) -> None:
-        self._drawn = 0.0
+        self._draw_soon()
         if len(self._choice.value) > MOST_SIGNALS:
             self.line.show(self._viewer.texts('trends.too_many', most=MOST_SIGNALS))
             self._choice.set_value(self._choice.value[:MOST_SIGNALS])
 
     async def _toggle_record(self) -> None:
-        viewer = self._viewer
-        recording = viewer.operator.recording
+        recording = self._viewer.operator.recording
         # By what the button says: another page may have begun or ended a bag just now.
-        await viewer.do(self.line, recording.end if self._recording else recording.begin)
+        change = recording.end if self._recording else recording.begin
+        await self._viewer.do(self.line, lambda _: change())
 
     def refresh(self, _state: PendantState) -> None:
         """Draw the signals, once a second."""
@@ -92,14 +89,11 @@ class TrendPanel:
         self._chart.update()
 
     def _show_recording(self) -> None:
-        bag, text = self._viewer.operator.recording.bag, self._viewer.texts
-        if bag == self._recording:
-            return
-        self._recording = bag
-        self._record.set_text(text('trends.end' if bag else 'trends.record'))
-        self._record.classes(add='recording' if bag else '', remove='' if bag else 'recording')
-        self._bag.set_text(text('trends.recording', bag=bag) if bag else '')
-        self._bag.set_visibility(bool(bag))
+        self._recording, text = self._viewer.operator.recording.bag, self._viewer.texts
+        on = bool(self._recording)
+        self._record.set_text(text('trends.end' if on else 'trends.record'))
+        mark(self._record, 'recording', on=on)
+        show_text(self._bag, text('trends.recording', bag=self._recording) if on else '')
 
     def _label(self, signal: Signal) -> str:
         quantity = signal.key.split(' ')[0].split('.')[0]
@@ -115,11 +109,12 @@ class TrendPanel:
             top = f'{number * height + 8.0:.1f}%'
             grids.append({'left': 62, 'right': 14, 'top': top, 'height': f'{height - 15.0:.1f}%'})
             last = number == len(units) - 1
+            digital = all(one.key.startswith('digital') for one in chosen if one.unit == unit)
             x_axes.append(
                 {
                     'type': 'value',
                     'gridIndex': number,
-                    'min': -self._window,
+                    'min': -self._window.value,
                     'max': 0,
                     'axisLabel': {'show': last, 'formatter': '{value} s', 'color': GREY},
                     'axisLine': {'onZero': False},
@@ -138,11 +133,11 @@ class TrendPanel:
                     'nameTextStyle': {'color': GREY},
                     'axisLabel': {'color': GREY},
                     'splitLine': {'lineStyle': {'color': GREY, 'opacity': 0.25}},
-                    **({'min': 0, 'max': 1, 'interval': 1} if self._is_digital(chosen, unit) else {}),
+                    **({'min': 0, 'max': 1, 'interval': 1} if digital else {}),
                 }
             )
         for number, one in enumerate(chosen):
-            times, values = self._viewer.operator.trends.curve(one.key, self._window)
+            times, values = self._viewer.operator.trends.curve(one.key, self._window.value)
             series.append(
                 {
                     'type': 'line',
@@ -165,7 +160,3 @@ class TrendPanel:
             'legend': {'top': 0, 'type': 'scroll', 'textStyle': {'color': GREY}},
             'tooltip': {'trigger': 'axis'},
         }
-
-    @staticmethod
-    def _is_digital(chosen: list[Signal], unit: str) -> bool:
-        return unit == '' and all(one.key.startswith('digital') for one in chosen if one.unit == unit)

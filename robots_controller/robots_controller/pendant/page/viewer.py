@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol
+from pathlib import Path
+from typing import Any, Final, Protocol, TypeVar
 
 from nicegui import run, ui
 
+from robots_controller.pendant.page.elements import Changes, mark, show_text, text_button
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
@@ -15,6 +17,7 @@ from robots_controller.pendant.texts import Texts
 from robots_core.errors import RobotsError
 
 PERIOD: Final = 0.1  # s between two refreshes
+T = TypeVar('T')
 
 
 class Panel(Protocol):
@@ -33,8 +36,7 @@ class RefusalLine:
 
     def show(self, text: str) -> None:
         """Show a reason; '' for none."""
-        self._label.set_text(text)
-        self._label.set_visibility(bool(text))
+        show_text(self._label, text)
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class Viewer:
         operator: Takes what is pressed.
         texts: In its language.
         refresh: Shows the newest state on it.
+        folder: Of the robot programs.
         address: Of its browser.
     """
 
@@ -53,21 +56,33 @@ class Viewer:
     operator: PendantOperator
     texts: Texts
     refresh: Callable[[], None]
+    folder: Path
     address: str = ''
 
-    async def do(self, line: RefusalLine, work: Callable[[], None]) -> bool:
-        """Do what waits for an answer of the cell, and show why it was refused; True if it was not.
+    async def do(
+        self, line: RefusalLine, work: Callable[..., T], *values: Any, **named: Any
+    ) -> tuple[T, ...]:
+        """Do what waits for an answer of the cell, and show why it was refused.
 
         What has changed is shown before the caller confirms it: no button moves after the confirmation.
+
+        Args:
+            line: Shows why.
+            work: Gets the id of the viewer, and what follows; raises a RobotsError.
+            values: For the work.
+            named: For the work.
+
+        Returns:
+            What the work returns, alone in a tuple; () if it was refused.
         """
         try:
-            await run.io_bound(work)
+            done = await run.io_bound(lambda: (work(self.id, *values, **named),))
         except RobotsError as error:
             line.show(self.texts.error(error))
-            return False
+            return ()
         line.show('')
         self.refresh()
-        return True
+        return done or ()
 
     def reason(self, action: Action) -> str:
         """Why an action is not permitted; '' if it is."""
@@ -93,24 +108,15 @@ class ActionButton:
     def __init__(
         self, viewer: Viewer, action: Action, text: str, icon: str, press: Callable[[], object]
     ) -> None:
-        self._viewer: Final = viewer
-        self._action = action
-        self.element = (
-            ui.button(text, icon=icon, on_click=press, color=None)
-            .props('unelevated no-caps')
-            .classes('action')
-        )
+        self._viewer, self._action, self._changed = viewer, action, Changes()
+        self.element = text_button(text, icon, press)
         with self.element:
             self._tooltip = ui.tooltip()
-        self._reason: str | None = None
 
     def refresh(self) -> None:
         """Show whether it is permitted."""
         reason = self._viewer.reason(self._action)
-        if reason == self._reason:
-            return
-        self._reason = reason
-        self.element.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
-        self.element.props(f'aria-disabled={"true" if reason else "false"}')
-        self._tooltip.set_text(reason)
-        self._tooltip.set_visibility(bool(reason))
+        if self._changed(reason):
+            mark(self.element, 'blocked', on=bool(reason))
+            self.element.props(f'aria-disabled={"true" if reason else "false"}')
+            show_text(self._tooltip, reason)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from typing import Final
 
@@ -10,6 +10,7 @@ from nicegui import ui
 
 from robots_controller.measuring.frame_measuring import NEEDED
 from robots_controller.measuring.frame_measuring import Sequence as Kind
+from robots_controller.pendant.page.elements import Changes, icon_button
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 
@@ -26,41 +27,21 @@ class TouchedPoints:
     """
 
     def __init__(self, viewer: Viewer, kind: Kind, line: RefusalLine) -> None:
-        self._viewer, self._kind, self._line = viewer, kind, line
-        self._shown: tuple[object, ...] = ()
-        text = viewer.texts
+        self._viewer, self._kind, self._line, self._changed = viewer, kind, line, Changes()
+        text, operator, measuring = viewer.texts, viewer.operator, viewer.operator.measuring
         with ui.element('div').classes('sequence'):
             self._rows = ui.element('div').classes('touched-points')
             with ui.element('div').classes('row-of-buttons'):
                 self._buttons = [
-                    ActionButton(viewer, Action.TEACH, text('frames.touch'), 'ads_click', self._touch),
-                    ActionButton(viewer, Action.TEACH, text('frames.again'), 'restart_alt', self._clear),
+                    ActionButton(viewer, Action.TEACH, text(f'frames.{key}'), icon, press)
+                    for key, icon, press in (
+                        ('touch', 'ads_click', lambda: viewer.do(line, operator.touch, kind)),
+                        ('again', 'restart_alt', lambda: self._do(partial(measuring.clear, kind))),
+                    )
                 ]
 
-    async def _touch(self) -> None:
-        viewer = self._viewer
-        operator = viewer.operator
-        await viewer.do(
-            self._line, lambda: operator.measuring.touch(self._kind, operator.measured_position(viewer.id))
-        )
-
-    async def _clear(self) -> None:
-        viewer = self._viewer
-
-        def work() -> None:
-            viewer.operator.check_measuring(viewer.id)
-            viewer.operator.measuring.clear(self._kind)
-
-        await viewer.do(self._line, work)
-
-    async def _remove(self, index: int) -> None:
-        viewer = self._viewer
-
-        def work() -> None:
-            viewer.operator.check_measuring(viewer.id)
-            viewer.operator.measuring.remove(self._kind, index)
-
-        await viewer.do(self._line, work)
+    def _do(self, step: Callable[[], None]) -> Awaitable[object]:
+        return self._viewer.do(self._line, self._viewer.operator.measure, step)
 
     def refresh(self, names: Sequence[str], details: Sequence[str] = ()) -> None:
         """Show the points.
@@ -72,10 +53,8 @@ class TouchedPoints:
         for button in self._buttons:
             button.refresh()
         count = len(self._viewer.operator.measuring.points[self._kind])
-        shown = (count, *names, *details)
-        if shown == self._shown:
+        if not self._changed(count, *names, *details):
             return
-        self._shown = shown
         self._rows.clear()
         with self._rows:
             for index in range(max(NEEDED[self._kind], count)):
@@ -90,6 +69,5 @@ class TouchedPoints:
             ui.label(detail).classes('number detail')
             if state == 'touched':
                 label = self._viewer.texts('frames.remove', name=name)
-                ui.button(icon='close', on_click=partial(self._remove, index), color=None).props(
-                    f'flat dense round aria-label="{label}"'
-                )
+                remove = partial(self._viewer.operator.measuring.remove, self._kind, index)
+                icon_button('close', label, lambda: self._do(remove))
