@@ -266,7 +266,7 @@ def test_what_the_cell_reports_is_shown(cell: OperatedCell) -> None:
     cell.wait(lambda: cell.state.override == 0.25, 'the override of another node')
     cell.publish('/rosout', Log(name='lua_program_node.print', msg='hello', level=Log.INFO))
     cell.publish('/rosout', Log(name='plc_node', msg='no signal', level=Log.WARN))
-    cell.wait(lambda: [text for _, text in cell.operator.prints][-1:] == ['hello'], 'a print')
+    cell.wait(lambda: [*cell.operator.prints][-1:] == ['hello'], 'a print')
     cell.wait(lambda: cell.operator.messages.shown(Level.WARNING, 'no signal'), 'a message')
     due = 1e-9 * cell.node.get_clock().now().nanoseconds + 1000.0
     pending = json.dumps([[due, 4, {'digital_input.1': 1.0}]])

@@ -125,7 +125,7 @@ def main() -> None:
     """Take the pictures."""
     operator, _ = made_up_operator()
     for text in ('Press tending of 2 parts', 'part 1: pressed with 41.5 kN', 'part 1: placed'):
-        operator.print(text)
+        operator.prints.append(text)
     some_messages(operator)
     some_trends(operator)
     visualizer = Visualizer(operator.robot, port=0)

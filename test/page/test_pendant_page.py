@@ -257,7 +257,7 @@ def test_a_program_is_chosen_and_its_line_is_followed(
     cell.refusal = ''
     for line in (3, 40):
         running_program(operator, line=line)
-        operator.print(f'at {line}')
+        operator.prints.append(f'at {line}')
         page.locator(f'.source .running[data-line="{line}"]').wait_for()
         page.locator('.prints', has_text=f'at {line}').wait_for()
     assert 'line 40' in page.locator('.fact.program').inner_text()

@@ -145,7 +145,7 @@ class PendantNode(RobotNode):
             return
         name = message.name.removeprefix(f'{prefix}.')
         if name == f'{PROGRAM}.print':
-            self.operator.print(message.msg)
+            self.operator.prints.append(message.msg)
             return
         level = next((one for number, one in LEVELS if message.level >= number), Level.INFO)
         if message.level >= Log.INFO:

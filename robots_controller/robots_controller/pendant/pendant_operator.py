@@ -87,22 +87,16 @@ class PendantOperator:
         self.measuring: Final = FrameMeasuring(robot)
         self.motion: Final = MotionRecording(port.feedback)
         """For the payload."""
-        self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
-        """What programs have printed, numbered, oldest first."""
+        self.prints: deque[str] = deque(maxlen=MOST_PRINTS)
+        """What programs have printed, oldest first."""
         self.state = PendantState()
-        self.held: Final = HeldButton(robot, port, now, self._check)
+        self.held: Final = HeldButton(robot, port, now, self.check)
         self._port = port
         self._prediction = JogPrediction(robot)
         self._planning, self._planner = threading.Lock(), cache(planning)
         self._previewing = threading.Lock()
         self._targets: dict[str, object] = {}
         self._previews: dict[str, Preview] = {}
-        self._printed = 0
-
-    def print(self, text: str) -> None:
-        """A program has printed a text."""
-        self._printed += 1
-        self.prints.append((self._printed, text))
 
     # -- viewers ------------------------------------------------------------------------------------------
 
@@ -174,7 +168,7 @@ class PendantOperator:
             RobotsError: the target cannot be reached so.
         """
         self.forget_preview(viewer)
-        self._check(viewer, Action.MOVE)
+        self.check(viewer, Action.MOVE)
         target = self._targets[viewer] = object()
         state = self.state
         command = target_command(self.robot, way, values, speed, state)
@@ -213,12 +207,12 @@ class PendantOperator:
         Raises:
             RobotsError: a node refuses, or does not answer.
         """
-        self._check(viewer, action)
+        self.check(viewer, action)
         self._port.call(SERVICES[action])
 
     def open_program(self, viewer: str, path: str) -> None:
         """Open a robot program."""
-        self._check(viewer, Action.OPEN)
+        self.check(viewer, Action.OPEN)
         self._port.open_program(path)
 
     # -- points and programs ------------------------------------------------------------------------------
@@ -238,7 +232,7 @@ class PendantOperator:
         Raises:
             RobotsError: the points file is not valid, or cannot be written.
         """
-        self._check(viewer, Action.TEACH)
+        self.check(viewer, Action.TEACH)
         self.teaching.teach(self._points_file, name, standing(self._port, self.state))
 
     def insert_motion(self, viewer: str, file: str, line: int, motion: Motion, names: Sequence[str]) -> int:
@@ -254,7 +248,7 @@ class PendantOperator:
         Raises:
             RobotsError: a file is not valid, or cannot be written.
         """
-        self._check(viewer, Action.EDIT)
+        self.check(viewer, Action.EDIT)
         program, q = Path(self.state.program.path), standing(self._port, self.state)
         found = program_file(program, file)
         new = self.teaching.insert(self._points_file, found, line, motion=motion, names=names, q=q)
@@ -263,7 +257,7 @@ class PendantOperator:
 
     def undo(self, viewer: str) -> None:
         """Take the newest change of a program or a points file back, and open the program again."""
-        self._check(viewer, Action.EDIT)
+        self.check(viewer, Action.EDIT)
         self.teaching.history.undo()
         self._reopen()
 
@@ -282,7 +276,7 @@ class PendantOperator:
         Raises:
             RobotsError: somebody else has changed the file, or it cannot be written.
         """
-        self._check(viewer, Action.EDIT)
+        self.check(viewer, Action.EDIT)
         program = Path(self.state.program.path)
         save_program(self.teaching.history, program_file(program, file), before, after)
         frames_file = self.state.program.frames_file
@@ -292,13 +286,13 @@ class PendantOperator:
 
     def toggle_breakpoint(self, viewer: str, file: str, line: int) -> None:
         """Hold programs at a line of a file, or do not any more."""
-        self._check(viewer, Action.BREAK)
+        self.check(viewer, Action.BREAK)
         lines = {(name, one) for name, ones in self.state.breakpoints.items() for one in ones}
         self._port.set_breakpoints([f'{name}:{one}' for name, one in sorted(lines ^ {(file, line)})])
 
     def step(self, viewer: str, step: str) -> None:
         """Let a held program make a step: over, in, out or motion."""
-        self._check(viewer, Action.STEP)
+        self.check(viewer, Action.STEP)
         self._port.step(one_of('step', STEPS)(step))
 
     def call_stack(self) -> CallStack:
@@ -311,7 +305,7 @@ class PendantOperator:
 
     def measure(self, viewer: str, step: Callable[[], None]) -> None:
         """Do a step of `measuring`, if the viewer may now."""
-        self._check(viewer, Action.TEACH)
+        self.check(viewer, Action.TEACH)
         step()
 
     def touch(self, viewer: str, sequence: Touched) -> None:
@@ -320,7 +314,7 @@ class PendantOperator:
         Raises:
             RobotsError: the robot moves, or all points are touched.
         """
-        self._check(viewer, Action.TEACH)
+        self.check(viewer, Action.TEACH)
         q, q_dot = self.state.q, self.state.q_dot
         if q is None:
             raise NotPermittedError(Reason('no_position'))
@@ -343,27 +337,32 @@ class PendantOperator:
 
     def set_mode(self, viewer: str, mode: str) -> None:
         """Set the operating mode."""
-        self._check(viewer, Action.MODE)
+        self.check(viewer, Action.MODE)
         self._port.set_mode(OperatingMode(mode))
 
     def set_override(self, viewer: str, value: float) -> None:
         """Set the speed override, 0..1."""
-        self._check(viewer, Action.OVERRIDE)
+        self.check(viewer, Action.OVERRIDE)
         if not 0.0 <= value <= 1.0:
             raise InvalidInputError(f'override = {value:g} must be in [0, 1]')
         self._port.set_override(value)
 
     def set_output(self, viewer: str, channel: Channel, value: float) -> None:
         """Give an output a value."""
-        self._check(viewer, Action.SWITCH)
+        self.check(viewer, Action.SWITCH)
         self._port.set_io(channel, channel.checked(value))
 
     def force_input(self, viewer: str, channel: Channel, value: float | None) -> None:
         """Force an input to a value; None releases it."""
-        self._check(viewer, Action.SWITCH)
+        self.check(viewer, Action.SWITCH)
         self._port.force(channel, None if value is None else channel.checked(value))
 
-    def _check(self, viewer: str, action: Action) -> None:
+    def check(self, viewer: str, action: Action) -> None:
+        """Check that a viewer may do an action now.
+
+        Raises:
+            NotPermittedError: it is not in control, or the state does not permit the action.
+        """
         self.desk.check(viewer)
         if (reason := refusal(action, self.state)) is not None:
             raise NotPermittedError(reason)

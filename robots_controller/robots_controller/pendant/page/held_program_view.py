@@ -9,21 +9,17 @@ from nicegui import run, ui
 
 from robots_controller.interpreter.debugger import CallStack, Variable
 from robots_controller.pendant.page.elements import Changes
-from robots_controller.pendant.page.viewer import Viewer
+from robots_controller.pendant.page.viewer import Part, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.program.run_state import RunState
 from robots_core.errors import RobotsError
 
 
-class HeldProgramView:
-    """Levels of the program, innermost first, each with its variables; tables can be opened.
-
-    Args:
-        viewer: Its page.
-    """
+class HeldProgramView(Part):
+    """Levels of the program, innermost first, each with its variables; tables can be opened."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer = viewer
+        super().__init__(viewer)
         self._changed = Changes()
         self._asking = False
         with ui.element('div').classes('variables') as self.element:
@@ -41,16 +37,16 @@ class HeldProgramView:
         if held:
             self._asking = True
             try:
-                stack = await run.io_bound(self._viewer.operator.call_stack)
+                stack = await run.io_bound(self.operator.call_stack)
             except RobotsError as error:  # the state of the program is shown elsewhere
-                self._hint.set_text(self._viewer.texts.error(error))
+                self._hint.set_text(self.text.error(error))
             finally:
                 self._asking = False
         self._show(stack)
 
     def _show(self, stack: CallStack | None) -> None:
         self._hint.set_visibility(stack is None)
-        nodes = [] if stack is None else list(_levels(stack, self._viewer.texts('held.globals')))
+        nodes = [] if stack is None else list(_levels(stack, self.text('held.globals')))
         self._tree.props['nodes'] = nodes
         self._tree.update()
         if nodes:

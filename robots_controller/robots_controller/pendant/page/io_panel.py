@@ -13,7 +13,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.page.elements import Changes, icon_button, mark, show_text
 from robots_controller.pendant.page.plc_line import PlcLine
-from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_controller.pendant.permissions import Action
 
@@ -44,15 +44,12 @@ class _Row:
             self.forced.set_visibility(forced)
 
 
-class IoPanel:
-    """All channels, or those that a search finds; outputs are switched, inputs forced.
-
-    Args:
-        viewer: Its page.
-    """
+class IoPanel(Part):
+    """All channels, or those that a search finds; outputs are switched, inputs forced."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, text = viewer, viewer.texts
+        super().__init__(viewer)
+        text = viewer.texts
         self._rows: list[_Row] = []
         self._changed = Changes()
         with ui.element('div').classes('panel io-panel'):
@@ -75,39 +72,39 @@ class IoPanel:
         for row in self._rows:
             channel = row.channel
             row.show(io.values[channel.image][channel.index - 1], forced=channel.name in io.forced)
-        reason = self._viewer.reason(Action.SWITCH)
+        reason = self.viewer.reason(Action.SWITCH)
         show_text(self._hint, reason)
         mark(self._columns, 'blocked', on=bool(reason))
 
     def _build(self, io: ShownIo, part: str) -> None:
         self._rows = []
         self._columns.clear()
-        text = self._viewer.texts
         with self._columns:
             for direction in ('input', 'output'):
                 with ui.element('div').classes('column'):
-                    ui.label(text(f'io.{direction}s')).classes('caption')
+                    ui.label(self.text(f'io.{direction}s')).classes('caption')
                     for kind in ('digital', 'analog'):
                         self._build_image(io, f'{kind}_{direction}s', part)
 
     def _build_image(self, io: ShownIo, image: str, part: str) -> None:
-        found, text = found_channels(io, image, part), self._viewer.texts
-        ui.label(text(f'io.{image.partition("_")[0]}')).classes('subtitle')
+        found = found_channels(io, image, part)
+        ui.label(self.text(f'io.{image.partition("_")[0]}')).classes('subtitle')
         more = [channel for channel in found[MOST_ROWS:] if channel.name in io.forced]
         self._rows += [self._build_row(channel) for channel in [*found[:MOST_ROWS], *more]]
         if not found:
-            ui.label(text('io.none')).classes('hint')
+            ui.label(self.text('io.none')).classes('hint')
         if (hidden := len(found) - MOST_ROWS - len(more)) > 0:
-            ui.label(text('io.more', count=hidden)).classes('hint')
+            ui.label(self.text('io.more', count=hidden)).classes('hint')
 
     def _build_row(self, channel: Channel) -> _Row:
-        text = self._viewer.texts
         with ui.element('div').classes('channel'):
             digital = channel.kind == 'digital'
             lamp = ui.element('span').classes('lamp' if digital else 'no-lamp')
             ui.label(str(channel.index)).classes('number index')
             ui.label(channel.label).classes('label')
-            forced = ui.label(text('io.forced')).classes('forced') if channel.direction == 'input' else None
+            forced = (
+                ui.label(self.text('io.forced')).classes('forced') if channel.direction == 'input' else None
+            )
             value = ui.label().classes('number value')
             if channel.direction == 'output':
                 self._build_switch(channel)
@@ -125,14 +122,13 @@ class IoPanel:
             self._build_entry(channel, menu, self._set)
 
     def _build_force(self, channel: Channel) -> None:
-        text = self._viewer.texts
         with icon_button('bolt', channel.name), ui.menu() as menu:
             if channel.kind == 'digital':
-                ui.menu_item(text('io.force_on'), partial(self._force, channel, 1.0))
-                ui.menu_item(text('io.force_off'), partial(self._force, channel, 0.0))
+                ui.menu_item(self.text('io.force_on'), partial(self._force, channel, 1.0))
+                ui.menu_item(self.text('io.force_off'), partial(self._force, channel, 0.0))
             else:
                 self._build_entry(channel, menu, self._force)
-            ui.menu_item(text('io.release'), partial(self._force, channel, None))
+            ui.menu_item(self.text('io.release'), partial(self._force, channel, None))
 
     def _build_entry(self, channel: Channel, menu: ui.menu, give: Callable[..., Awaitable[object]]) -> None:
         entry = ui.number(channel.name).props('dense outlined').classes('entry')
@@ -142,12 +138,12 @@ class IoPanel:
                 await give(channel, entry.value)
                 menu.close()
 
-        ui.button(self._viewer.texts('io.set'), on_click=press).props('flat no-caps')
+        ui.button(self.text('io.set'), on_click=press).props('flat no-caps')
 
     # -- what is pressed ----------------------------------------------------------------------------------
 
     async def _set(self, channel: Channel, value: float) -> None:
-        await self._viewer.do(self.line, self._viewer.operator.set_output, channel, value)
+        await self.viewer.do(self.line, self.operator.set_output, channel, value)
 
     async def _force(self, channel: Channel, value: float | None) -> None:
-        await self._viewer.do(self.line, self._viewer.operator.force_input, channel, value)
+        await self.viewer.do(self.line, self.operator.force_input, channel, value)

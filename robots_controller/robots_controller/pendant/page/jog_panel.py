@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 from nicegui import ui
 
-from robots_controller.pendant.jog.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.jog.jog_command import JOG_FRAMES
 from robots_controller.pendant.page.elements import choices, mark
 from robots_controller.pendant.page.frame_choice import FrameChoice
 from robots_controller.pendant.page.target_panel import TargetPanel
-from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import Texts
@@ -35,7 +35,7 @@ NEAR_LIMIT: Final = 0.03  # part of an axis' range
 class _Row:
     """A name, two buttons and what is between them."""
 
-    def __init__(self, viewer: Viewer, frame: JogFrame, index: int, name: str) -> None:
+    def __init__(self, viewer: Viewer, frame: str, index: int, name: str) -> None:
         text = viewer.texts
         with ui.element('div').classes('jog-row'):
             ui.label(name).classes('name')
@@ -61,16 +61,12 @@ class _Row:
         mark(self._bar, 'near', on=near)
 
 
-class JogPanel:
-    """Axes, or the tool along and about the axes of tool or base.
-
-    Args:
-        viewer: Its page.
-    """
+class JogPanel(Part):
+    """Axes, or the tool along and about the axes of tool or base."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, text = viewer, viewer.texts
-        self._frame: JogFrame = 'axes'
+        super().__init__(viewer)
+        text = viewer.texts
         with ui.element('div').classes('panel jog-panel'):
             with ui.element('div').classes('choices'):
                 frames = {frame: text(f'jog.{frame}') for frame in (*JOG_FRAMES, TARGET)}
@@ -91,16 +87,18 @@ class JogPanel:
         self._choose()
 
     def _choose(self) -> None:
-        frame = self._chosen.value
-        typed = frame == TARGET
+        typed = self._frame == TARGET
         self._target.set_shown(shown=typed)
         self._rows_place.set_visibility(not typed)
         self._steps.set_visibility(not typed)
-        self._taught.element.set_visibility(frame == 'taught')
+        self._taught.element.set_visibility(self._frame == 'taught')
         if not typed:
-            self._frame = frame
             self._build_rows()
-        self.refresh(self._viewer.operator.state)
+        self.refresh(self.operator.state)
+
+    @property
+    def _frame(self) -> str:
+        return str(self._chosen.value)
 
     @property
     def speed(self) -> float:
@@ -113,7 +111,7 @@ class JogPanel:
         index = rest.partition(' ')[0]
         if frame not in JOG_FRAMES or not index.isdecimal():
             return 0.0
-        slides = self._viewer.operator.robot.axes_data.prismatic
+        slides = self.operator.robot.axes_data.prismatic
         straight = any(slides[int(index) : int(index) + 1]) if frame == 'axes' else int(index) < 3
         step = float(self._step.value)
         return step / 1e3 if straight else math.radians(step)
@@ -128,17 +126,15 @@ class JogPanel:
 
     def _build_rows(self) -> None:
         self._rows_place.clear()
-        names = self._viewer.operator.robot.axes_data.names if self._frame == 'axes' else DIRECTIONS
+        names = self.operator.robot.axes_data.names if self._frame == 'axes' else DIRECTIONS
         with self._rows_place:
-            self._rows = [_Row(self._viewer, self._frame, i, name) for i, name in enumerate(names)]
+            self._rows = [_Row(self.viewer, self._frame, i, name) for i, name in enumerate(names)]
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
-        reason = self._viewer.reason(Action.JOG)
+        reason = self.viewer.reason(Action.JOG)
         warning = reason or self._ahead() or self._limited(state) or state.hindrance
-        self._hint.set_text(
-            warning or self._viewer.texts('jog.step_hint' if self._step.value else 'jog.hint')
-        )
+        self._hint.set_text(warning or self.text('jog.step_hint' if self._step.value else 'jog.hint'))
         warned = bool(warning)
         self._hint.set_visibility(warned or not self._target.element.visible)
         mark(self._hint, 'warned', on=warned)
@@ -155,27 +151,26 @@ class JogPanel:
 
     def _ahead(self) -> str:
         """What will stop the jog of this page, for a person; '' for nothing."""
-        operator, text = self._viewer.operator, self._viewer.texts
-        ahead = operator.ahead() if operator.held.viewer == self._viewer.id else None
+        operator = self.operator
+        ahead = operator.ahead() if operator.held.viewer == self.viewer.id else None
         if ahead is None:
             return ''
-        what = ', '.join(_limit_text(text, limit) for limit in ahead.limits)
-        return text('jog.ahead', time=f'{ahead.time:.1f}', what=what) if ahead.time else what
+        what = ', '.join(_limit_text(self.text, limit) for limit in ahead.limits)
+        return self.text('jog.ahead', time=f'{ahead.time:.1f}', what=what) if ahead.time else what
 
     def _limited(self, state: PendantState) -> str:
         """What stops the jog now, whoever's it is, for a person; '' for nothing."""
-        text = self._viewer.texts
-        what = ', '.join(_limit_text(text, limit) for limit in state.limits)
-        return text('jog.limited', what=what) if what else ''
+        what = ', '.join(_limit_text(self.text, limit) for limit in state.limits)
+        return self.text('jog.limited', what=what) if what else ''
 
     def _show_failure(self) -> None:
-        held = self._viewer.operator.held
-        if held.failure is not None and held.failure[0] == self._viewer.id:
-            self.line.show(self._viewer.texts.error(held.failure[1]))
+        held = self.operator.held
+        if held.failure is not None and held.failure[0] == self.viewer.id:
+            self.line.show(self.text.error(held.failure[1]))
             held.failure = None
 
     def _show_axes(self, positions: Array) -> None:
-        axes = self._viewer.operator.robot.axes_data
+        axes = self.operator.robot.axes_data
         for i, row in enumerate(self._rows):
             q, lower, upper = float(positions[i]), float(axes.lower[i]), float(axes.upper[i])
             value = f'{1e3 * q:.1f} mm' if axes.prismatic[i] else f'{math.degrees(q):.2f}°'
@@ -188,8 +183,8 @@ class JogPanel:
 
     def _pose_text(self, state: PendantState) -> str:
         if state.tool is None:
-            return self._viewer.texts('jog.waiting')
-        convention = self._viewer.operator.robot.orientation_convention
+            return self.text('jog.waiting')
+        convention = self.operator.robot.orientation_convention
         angles = np.degrees(angles_from_orientation(state.tool.T, convention))
         x, y, z = np.round(1e3 * state.tool.r, 1) + 0.0
         turned = '  '.join(f'{angle:.2f}°' for angle in np.round(angles, 2) + 0.0)

@@ -11,22 +11,19 @@ from nicegui import ui
 
 from robots_controller.pendant.message_log import Level, LoggedMessage
 from robots_controller.pendant.page.elements import Changes, choices, text_button
-from robots_controller.pendant.page.viewer import Viewer
+from robots_controller.pendant.page.viewer import Part, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.texts import Texts
 
 MOST_ROWS: Final = 100
 
 
-class MessagePanel:
-    """The messages of all nodes, with a filter; they are acknowledged and exported here.
-
-    Args:
-        viewer: Its page.
-    """
+class MessagePanel(Part):
+    """The messages of all nodes, with a filter; they are acknowledged and exported here."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, text = viewer, viewer.texts
+        super().__init__(viewer)
+        text = viewer.texts
         self._changed = Changes()
         self._known: Sequence[LoggedMessage] = ()
         with ui.element('div').classes('panel message-panel'):
@@ -44,20 +41,20 @@ class MessagePanel:
 
     def refresh(self, _state: PendantState) -> None:
         """Show the messages."""
-        log, part, lowest = self._viewer.operator.messages, str(self._search.value or ''), self._lowest.value
+        log, part, lowest = self.operator.messages, str(self._search.value or ''), self._lowest.value
         if not self._changed(log.version, part, lowest):
             return
         self._known = log.shown()
-        rows = [_row(message, self._viewer.texts) for message in log.shown(lowest, part)[:MOST_ROWS]]
-        nothing = f'<div class="hint">{escape(self._viewer.texts("messages.none"))}</div>'
+        rows = [_row(message, self.text) for message in log.shown(lowest, part)[:MOST_ROWS]]
+        nothing = f'<div class="hint">{escape(self.text("messages.none"))}</div>'
         self._list.set_content(''.join(rows) or nothing)
 
     def _acknowledge(self) -> None:
         """Those that the page had when it was pressed, of any level."""
-        self._viewer.operator.messages.acknowledge(self._known)
+        self.operator.messages.acknowledge(self._known)
 
     def _export(self) -> None:
-        messages = self._viewer.operator.messages.shown(self._lowest.value, str(self._search.value or ''))
+        messages = self.operator.messages.shown(self._lowest.value, str(self._search.value or ''))
         ui.download.content(
             '\n'.join('\t'.join(_cells(message)) for message in messages) + '\n', 'messages.tsv'
         )

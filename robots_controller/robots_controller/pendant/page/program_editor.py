@@ -8,13 +8,13 @@ from collections.abc import Callable, Sequence
 from nicegui import ui
 
 from robots_controller.pendant.page.elements import text_button
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.program_editing import completions
 from robots_controller.program_check.program_check import ProgramProblem
 
 
-class ProgramEditor:
+class ProgramEditor(Part):
     """An editor that opens with a text, and closes when it is saved or given up.
 
     Args:
@@ -29,7 +29,8 @@ class ProgramEditor:
         line: RefusalLine,
         closed: Callable[[Sequence[ProgramProblem] | None], None],
     ) -> None:
-        self._viewer, self._line, self._closed, text = viewer, line, closed, viewer.texts
+        super().__init__(viewer)
+        self._line, self._closed, text = line, closed, viewer.texts
         self._file, self._before = '', ''
         with ui.element('div').classes('editor') as self.element:
             self._place = ui.element('div').classes('text')
@@ -52,7 +53,7 @@ class ProgramEditor:
             self._code = ui.codemirror(text.replace('\r\n', '\n'), language='Lua', indent='  ').props(
                 f'aria-label="{file}"'
             )
-        functions = json.dumps(completions(self._viewer.operator.robot.num_axes))
+        functions = json.dumps(completions(self.operator.robot.num_axes))
         ui.run_javascript(f'pendant.complete({self._code.id}, {functions})')
         if line:
             self._code.reveal_line(line)
@@ -63,8 +64,8 @@ class ProgramEditor:
             return
         text = str(self._code.value)
         after = text.replace('\n', '\r\n') if '\r\n' in self._before else text
-        save = self._viewer.operator.save_program
-        if saved := await self._viewer.do(self._line, save, self._file, self._before, after):
+        save = self.operator.save_program
+        if saved := await self.viewer.do(self._line, save, self._file, self._before, after):
             self._leave()
             self._closed(saved[0])
 

@@ -20,7 +20,7 @@ from robots_controller.pendant.page.elements import Changes, held_button, mark, 
 from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_file, program_files, read_program
@@ -31,11 +31,11 @@ from robots_core.files.user_file import when_written
 
 SHOWN_PRINTS: Final = 100
 BUTTONS: Final = (
-    (Action.RUN, 'run', 'play_arrow'),
-    (Action.PAUSE, 'pause', 'pause'),
-    (Action.RESUME, 'resume', 'skip_next'),
-    (Action.END, 'end', 'stop'),
-    (Action.REWIND, 'rewind', 'replay'),
+    (Action.RUN, 'play_arrow'),
+    (Action.PAUSE, 'pause'),
+    (Action.RESUME, 'skip_next'),
+    (Action.END, 'stop'),
+    (Action.REWIND, 'replay'),
 )
 VIEWS: Final = ('printed', 'teach', 'variables')
 STEPS: Final = {'over': 'redo', 'in': 'south_east', 'out': 'north_east', 'motion': 'route'}
@@ -43,15 +43,12 @@ HELD: Final = (Action.RUN, Action.RESUME)
 """What the button that is held does, in modes in which run is held."""
 
 
-class ProgramPanel:
-    """The programs of a folder, buttons, the text with its running line, and what was printed.
-
-    Args:
-        viewer: Its page.
-    """
+class ProgramPanel(Part):
+    """The programs of a folder, buttons, the text with its running line, and what was printed."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, self._folder, text = viewer, viewer.folder, viewer.texts
+        super().__init__(viewer)
+        self._folder, text = viewer.folder, viewer.texts
         self._shown: tuple[str, str, int, bool] | None = None  # path, file, when it was written, open
         self._cursor = 0  # the line after which motions are inserted
         self._marked = Changes()
@@ -72,9 +69,9 @@ class ProgramPanel:
                     ui.tooltip(text('program.hold_hint'))
                 self._buttons = {
                     action: ActionButton(
-                        viewer, action, text(f'program.{key}'), icon, partial(self._act, action)
+                        viewer, action, text(f'program.{action}'), icon, partial(self._act, action)
                     )
-                    for action, key, icon in BUTTONS
+                    for action, icon in BUTTONS
                 }
             with ui.element('div').classes('row-of-buttons steps') as self._steps:
                 for step, icon in STEPS.items():
@@ -106,7 +103,7 @@ class ProgramPanel:
                     self._held = HeldProgramView(viewer)
 
     async def _open(self, name: str | None) -> None:
-        viewer = self._viewer
+        viewer = self.viewer
         path = str(self._folder / name) if name else ''
         program = viewer.operator.state.program
         if not path or (path == program.path and program.state is not RunState.IDLE):
@@ -115,11 +112,11 @@ class ProgramPanel:
             self._show_choice(program.path)  # so that the same one can be chosen again
 
     async def _open_again(self) -> None:
-        operator = self._viewer.operator
-        await self._viewer.do(self.line, operator.open_program, operator.state.program.path)
+        operator = self.operator
+        await self.viewer.do(self.line, operator.open_program, operator.state.program.path)
 
     async def _act(self, action: Action) -> None:
-        await self._viewer.do(self.line, self._viewer.operator.act, action)
+        await self.viewer.do(self.line, self.operator.act, action)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
@@ -127,7 +124,7 @@ class ProgramPanel:
         """Show a state."""
         held = state.run_is_held
         self._hold.set_visibility(held)
-        mark(self._hold, 'blocked', on=bool(self._viewer.reason(Action.HOLD_RUN)))
+        mark(self._hold, 'blocked', on=bool(self.viewer.reason(Action.HOLD_RUN)))
         for action, button in self._buttons.items():
             button.refresh()
             if action in HELD:
@@ -140,7 +137,7 @@ class ProgramPanel:
         self._edit.refresh()
         self._editor.refresh()
         background_tasks.create(self._held.refresh(state))
-        mark(self._steps, 'blocked', on=bool(self._viewer.reason(Action.STEP)))
+        mark(self._steps, 'blocked', on=bool(self.viewer.reason(Action.STEP)))
         marks = {
             'line': program.line if program.file == self._file else 0,
             'motion': program.motion_line if program.motion_file == self._file else 0,
@@ -171,23 +168,22 @@ class ProgramPanel:
         self._marked.forget()
         if self._editor.open and not program.path:
             self._editor.close()
-        text = self._viewer.texts
         if not program.path:
-            self._source.set_content(_note(text('program.none', folder=self._folder)))
+            self._source.set_content(_note(self.text('program.none', folder=self._folder)))
             return
         self._show_choice(program.path if open_ else '')  # so that the same one can be chosen again
         try:
             self._source.set_content(_lines(read_program(program.path, file)))
             self._cursor = self._cursor or self._source.content.count('data-line=')
         except RobotsError:
-            self._source.set_content(_note(text('program.unreadable', file=file)))
+            self._source.set_content(_note(self.text('program.unreadable', file=file)))
 
     def _show_change(self, state: PendantState) -> None:
         """Say that what runs is not what is shown."""
         program = state.program
         file = Path(program.path).name
         self._changed.set_visibility(program.written not in (0, when_written(program.path)))
-        self._change.set_text(self._viewer.texts('program.changed', file=file))
+        self._change.set_text(self.text('program.changed', file=file))
         self._again.refresh()
 
     def _show_choice(self, path: str) -> None:
@@ -199,11 +195,11 @@ class ProgramPanel:
         self._cursor = line
 
     async def _toggle_breakpoint(self, line: int) -> None:
-        await self._viewer.do(self.line, self._viewer.operator.toggle_breakpoint, self._file, line)
+        await self.viewer.do(self.line, self.operator.toggle_breakpoint, self._file, line)
 
     def _begin_edit(self) -> None:
-        reason = self._viewer.reason(Action.EDIT)
-        path = self._viewer.operator.state.program.path
+        reason = self.viewer.reason(Action.EDIT)
+        path = self.operator.state.program.path
         self.line.show(reason)
         if reason or self._editor.open:
             return
@@ -211,7 +207,7 @@ class ProgramPanel:
             file = self._file or Path(path).name
             self._editor.edit(file, read_program(path, file), self._cursor)
         except RobotsError as error:
-            self.line.show(self._viewer.texts.error(error))
+            self.line.show(self.text.error(error))
             return
         self._source.set_visibility(False)
 
@@ -225,16 +221,16 @@ class ProgramPanel:
         self._found.set_visibility(True)
         with self._found:
             if not problems:
-                ui.label(self._viewer.texts('edit.good')).classes('good')
+                ui.label(self.text('edit.good')).classes('good')
             for one in problems:
                 ui.label(str(one)).classes('finding').on('click', partial(self._put_cursor, one.line))
 
     def _show_prints(self) -> None:
-        prints = list(self._viewer.operator.prints)[-SHOWN_PRINTS:]
+        prints = list(self.operator.prints)[-SHOWN_PRINTS:]
         if self._printed(prints):
-            lines = [f'<div>{escape(one)}</div>' for _, one in prints]
+            lines = [f'<div>{escape(one)}</div>' for one in prints]
             # Turned around by the style, so that the newest stays in view.
-            nothing = f'<div class="hint">{escape(self._viewer.texts("program.nothing_printed"))}</div>'
+            nothing = f'<div class="hint">{escape(self.text("program.nothing_printed"))}</div>'
             self._prints.set_content(''.join(reversed(lines)) or nothing)
 
 

@@ -11,7 +11,7 @@ from nicegui import run, ui
 from robots_controller.pendant.jog.held_button import MOVE_KEY
 from robots_controller.pendant.jog.pendant_motion import WAYS, Preview
 from robots_controller.pendant.page.elements import choices, held_button, mark, text_button
-from robots_controller.pendant.page.viewer import PERIOD, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import PERIOD, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError, RobotsError
 
@@ -19,7 +19,7 @@ MILLIMETRES: Final = 1e3
 STAY: Final = 1.0  # s at the target, before the path around obstacles is shown again
 
 
-class TargetPanel:
+class TargetPanel(Part):
     """Fields for a target, and the buttons to preview it and to move there.
 
     Args:
@@ -29,7 +29,8 @@ class TargetPanel:
     """
 
     def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:
-        self._viewer, self._speed, self._line = viewer, speed, line
+        super().__init__(viewer)
+        self._speed, self._line = speed, line
         self._around: Preview | None = None  # what the ghost runs along
         self._played = 0.0  # s of it
         self._fields: list[tuple[ui.number, float]] = []  # with the factor from SI
@@ -46,7 +47,7 @@ class TargetPanel:
         self._build()
 
     def _build(self) -> None:
-        robot, convention = self._viewer.operator.robot, self._viewer.operator.robot.orientation_convention
+        robot, convention = self.operator.robot, self.operator.robot.orientation_convention
         self._grid.clear()
         if self._way.value == 'joints':
             axes = robot.axes_data
@@ -70,42 +71,41 @@ class TargetPanel:
 
     def _fill(self) -> None:
         """Write where the robot is into the fields."""
-        state = self._viewer.operator.state
+        state = self.operator.state
         if state.q is None or state.tool is None:
             return
         if self._way.value == 'joints':
             values = state.q.tolist()
         else:
-            angles = state.tool.angles(self._viewer.operator.robot.orientation_convention)
+            angles = state.tool.angles(self.operator.robot.orientation_convention)
             values = [*state.tool.r.tolist(), *angles.tolist()]
         for (field, factor), value in zip(self._fields, values, strict=True):
             field.set_value(round(factor * value, 3) + 0.0)
 
     def _forget(self) -> None:
-        self._viewer.operator.forget_preview(self._viewer.id)
+        self.operator.forget_preview(self.viewer.id)
         self._show(None)
 
     def _show(self, found: Preview | None) -> None:
         self._around, self._played = (found if found is not None and found.around else None), 0.0
         mark(self._move, 'blocked', on=found is None)
-        text = self._viewer.texts
         if found is None:
-            self._found.set_text(text('target.hint'))
+            self._found.set_text(self.text('target.hint'))
             return
-        override = self._viewer.operator.state.override
+        override = self.operator.state.override
         duration = f'{found.duration / override:.1f}' if override > 0.0 else '∞'
-        lines = [text('target.found', duration=duration, axis=found.limiting_axis)]
+        lines = [self.text('target.found', duration=duration, axis=found.limiting_axis)]
         if found.around:
-            lines.append(text('target.around'))
+            lines.append(self.text('target.around'))
         if (closest := found.closest) is not None:
             distance = f'{MILLIMETRES * closest.distance:.1f}'
             lines.append(
-                text('target.closest', distance=distance, first=closest.first, second=closest.second)
+                self.text('target.closest', distance=distance, first=closest.first, second=closest.second)
             )
         self._found.set_text(' '.join(lines))
 
     async def _preview(self) -> None:
-        viewer, self._found.text = self._viewer, self._viewer.texts('target.planning')
+        viewer, self._found.text = self.viewer, self.text('target.planning')
         try:
             values = [self._si(field, factor) for field, factor in self._fields]
             work = viewer.operator.preview
@@ -135,7 +135,7 @@ class TargetPanel:
     def refresh(self, state: PendantState) -> None:
         """Fill the fields with the first position that comes, and show the next position of a path around."""
         if self._around is not None:
-            self._viewer.operator.play_preview(self._viewer.id, self._played)
+            self.operator.play_preview(self.viewer.id, self._played)
             self._played = (self._played + PERIOD) % (self._around.duration + STAY)
         if state.q is not None and all(field.value is None for field, _ in self._fields):
             self._fill()

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.elements import Changes, show_text
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.teaching import MOTIONS, Motion, free_name
@@ -20,7 +20,7 @@ from robots_core.files.user_file import when_written
 ICONS: Final = {'ptp': 'timeline', 'line': 'trending_flat', 'arc': 'roundabout_right'}
 
 
-class TeachRow:
+class TeachRow(Part):
     """A field for a point's name, and buttons that teach it and insert a motion to it.
 
     Args:
@@ -37,7 +37,8 @@ class TeachRow:
         cursor: Callable[[], tuple[str, int]],
         inserted: Callable[[int], None],
     ) -> None:
-        self._viewer, self._line, self._cursor, self._inserted = viewer, line, cursor, inserted
+        super().__init__(viewer)
+        self._line, self._cursor, self._inserted = line, cursor, inserted
         self._via = ''  # the point that an arc passes
         self._changed = Changes()
         text = viewer.texts
@@ -57,16 +58,16 @@ class TeachRow:
         show_text(self._hint, '')
 
     def _button(self, action: Action, key: str, icon: str, press: Callable[[], object]) -> ActionButton:
-        return ActionButton(self._viewer, action, self._viewer.texts(f'teach.{key}'), icon, press)
+        return ActionButton(self.viewer, action, self.text(f'teach.{key}'), icon, press)
 
     async def _teach(self) -> None:
         name = str(self._name.value or '') or self._free()
-        if await self._viewer.do(self._line, self._viewer.operator.teach, name):
+        if await self.viewer.do(self._line, self.operator.teach, name):
             self._say('taught', name=name)
             self._show_points(name)
 
     async def _insert(self, motion: Motion) -> None:
-        viewer, given = self._viewer, str(self._name.value or '')
+        viewer, given = self.viewer, str(self._name.value or '')
         name = self._free() if not given or given in self._name.options else given
         if motion == 'arc' and not self._via:
             if await viewer.do(self._line, viewer.operator.teach, name):
@@ -82,25 +83,25 @@ class TeachRow:
             self._inserted(new[0])
 
     async def _undo(self) -> None:
-        if await self._viewer.do(self._line, self._viewer.operator.undo):
+        if await self.viewer.do(self._line, self.operator.undo):
             self._via = ''
             self._say('undone')
             self._show_points('')
 
     def _say(self, key: str, **values: object) -> None:
-        show_text(self._hint, self._viewer.texts(f'teach.{key}', **values))
+        show_text(self._hint, self.text(f'teach.{key}', **values))
 
     def _free(self) -> str:
         try:
-            return free_name(self._viewer.operator.points())
+            return free_name(self.operator.points())
         except RobotsError:  # which teaching will say
             return 'P1'
 
     def _show_points(self, chosen: str) -> None:
         try:
-            names = sorted(self._viewer.operator.points())
+            names = sorted(self.operator.points())
         except RobotsError as error:
-            self._line.show(self._viewer.texts.error(error))
+            self._line.show(self.text.error(error))
             names = []
         self._name.set_options(names, value=chosen if chosen in names else None)
 

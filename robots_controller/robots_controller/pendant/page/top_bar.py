@@ -10,7 +10,7 @@ from nicegui import ui
 from robots_controller.pendant.channels import channel_label
 from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.elements import icon_button, mark
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.run_state import RunState
@@ -28,16 +28,12 @@ STATE_ICONS: Final = {
 }
 
 
-class TopBar:
-    """Robot, mode, commander, program, override, speed, connection, who operates, and the stop button.
-
-    Args:
-        viewer: Its page.
-    """
+class TopBar(Part):
+    """Robot, mode, commander, program, override, speed, connection, who operates, and the stop button."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, self._texts = viewer, viewer.texts
-        text = self._texts
+        super().__init__(viewer)
+        text = viewer.texts
         self._override = 100
         with ui.element('header').classes('bar'):
             with ui.element('div').classes('facts'):
@@ -81,66 +77,59 @@ class TopBar:
 
     def _fact(self, caption: str) -> ui.label:
         with ui.element('div').classes('fact'):
-            ui.label(self._texts(caption)).classes('caption')
+            ui.label(self.text(caption)).classes('caption')
             return ui.label().classes('value')
 
     def _build_override(self) -> None:
-        text = self._texts
         with ui.element('div').classes('fact override'):
             with ui.element('span').classes('caption'):
-                ui.label(text('bar.override'))
+                ui.label(self.text('bar.override'))
                 self._override_value = ui.label('100 %').classes('number')
             with ui.element('div').classes('slider'):
-                icon_button('remove', text('bar.slower'), partial(self._change_override, -STEP))
+                icon_button('remove', self.text('bar.slower'), partial(self._change_override, -STEP))
                 self._slider = ui.slider(min=0, max=100, value=100).props(
-                    f'aria-label="{text("bar.override")}"'
+                    f'aria-label="{self.text("bar.override")}"'
                 )
                 self._slider.on(
                     'update:model-value', lambda event: self._set_override(int(event.args)), throttle=0.05
                 )
-                icon_button('add', text('bar.faster'), partial(self._change_override, STEP))
+                icon_button('add', self.text('bar.faster'), partial(self._change_override, STEP))
 
     def _build_tools(self) -> None:
-        text = self._texts
         with ui.element('div').classes('fact tools'):
             with ui.element('span').classes('caption'):
                 self._control = ui.label()
             with ui.element('div').classes('row-of-buttons'):
                 self._take = ui.button(
-                    text('bar.take'), icon='front_hand', on_click=self._toggle_control, color=None
+                    self.text('bar.take'), icon='front_hand', on_click=self._toggle_control, color=None
                 )
                 self._take.props('unelevated no-caps dense').classes('control')
-                theme = icon_button('contrast', text('bar.theme'))
+                theme = icon_button('contrast', self.text('bar.theme'))
                 theme.on('click', js_handler='() => pendant.switchTheme()')
-                code = 'en' if text('bar.language') == 'English' else 'de'
-                ui.button(text('bar.language'), color=None).props('flat dense no-caps').classes(
-                    'language'
-                ).on('click', js_handler=f"() => pendant.setLanguage('{code}')")
+                code = 'en' if self.text('bar.language') == 'English' else 'de'
+                language = ui.button(self.text('bar.language'), color=None).props('flat dense no-caps')
+                language.classes('language').on('click', js_handler=f"() => pendant.setLanguage('{code}')")
         with ui.dialog() as self._dialog, ui.card():
-            ui.label(text('bar.confirm'))
+            ui.label(self.text('bar.confirm'))
             with ui.element('div').classes('row-of-buttons'):
-                ui.button(text('bar.confirm_yes'), on_click=lambda: self._dialog.submit(result=True)).props(
-                    'unelevated no-caps'
-                )
-                ui.button(text('bar.confirm_no'), on_click=lambda: self._dialog.submit(result=False)).props(
-                    'flat no-caps'
-                )
+                for key, result, style in (('yes', True, 'unelevated'), ('no', False, 'flat')):
+                    submit = partial(self._dialog.submit, result)
+                    ui.button(self.text(f'bar.confirm_{key}'), on_click=submit).props(f'{style} no-caps')
 
     def _build_stop(self) -> None:
-        text = self._texts
         with ui.element('button').classes('stop').props('type=button') as stop:
-            ui.label(text('bar.stop')).classes('word')
+            ui.label(self.text('bar.stop')).classes('word')
             ui.label('Esc').classes('key')
-            ui.tooltip(text('bar.stop_hint'))
-        stop.props(f'aria-label="{text("bar.stop")}"')
+            ui.tooltip(self.text('bar.stop_hint'))
+        stop.props(f'aria-label="{self.text("bar.stop")}"')
         # At the press, not at its end; and by the key, wherever the focus is.
-        stop.on('pointerdown', self._viewer.operator.stop, args=[])
-        ui.on('pendant_stop', self._viewer.operator.stop, args=[])
+        stop.on('pointerdown', self.operator.stop, args=[])
+        ui.on('pendant_stop', self.operator.stop, args=[])
 
     # -- what is pressed ----------------------------------------------------------------------------------
 
     async def _choose_mode(self, mode: OperatingMode | None) -> None:
-        viewer = self._viewer
+        viewer = self.viewer
         if mode not in (None, viewer.operator.state.mode):
             await viewer.do(self.line, viewer.operator.set_mode, mode)
             self._show_mode(viewer.operator.state)
@@ -149,12 +138,12 @@ class TopBar:
         await self._set_override(min(100, max(0, self._override + step)))
 
     async def _set_override(self, percent: int) -> None:
-        operator = self._viewer.operator
-        await self._viewer.do(self.line, operator.set_override, percent / 100.0)
+        operator = self.operator
+        await self.viewer.do(self.line, operator.set_override, percent / 100.0)
         self._slider.value = round(100.0 * operator.state.override)
 
     async def _toggle_control(self) -> None:
-        operator, viewer = self._viewer.operator, self._viewer
+        operator, viewer = self.operator, self.viewer
         if operator.desk.holder == viewer.id:
             operator.give_back_control(viewer.id)
         elif not operator.desk.holder or await self._dialog:
@@ -164,19 +153,20 @@ class TopBar:
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
-        text = self._texts
         lost = bool(state.lost)
-        self._link.set_text(text('bar.lost', lost=', '.join(state.lost)) if lost else text('bar.connected'))
+        self._link.set_text(
+            self.text('bar.lost', lost=', '.join(state.lost)) if lost else self.text('bar.connected')
+        )
         self._link_icon.set_name('link_off' if lost else 'link')
         mark(self._link_icon, 'bad', on=lost)
         mark(self._link_icon, 'good', on=not lost)
         self._show_mode(state)
-        self._commander.set_text(text(f'commanders.{state.commander}'))
+        self._commander.set_text(self.text(f'commanders.{state.commander}'))
         program = state.program
         name = program.path.rpartition('/')[2]
-        where = f', {text("bar.line", line=program.line)}' if program.line else ''
+        where = f', {self.text("bar.line", line=program.line)}' if program.line else ''
         open_ = program.state is not RunState.IDLE or not name
-        doing = text(f'states.{program.state}' if open_ else 'bar.not_open')
+        doing = self.text(f'states.{program.state}' if open_ else 'bar.not_open')
         self._program.set_text(f'{name}{": " if name else ""}{doing}{where}')
         self._program_icon.set_name(STATE_ICONS[program.state])
         self._speed.set_text(f'{1e3 * state.tool_speed:.0f} mm/s')
@@ -185,14 +175,14 @@ class TopBar:
         self._show_forced(state)
         self._strip.set_visibility(bool(state.fault))
         if state.fault:
-            self._fault.set_text(text('bar.fault', fault=text.fault(state.fault_kind, state.fault)))
+            self._fault.set_text(self.text('bar.fault', fault=self.text.fault(state.fault_kind, state.fault)))
             self._reset.refresh()
 
     def _show_forced(self, state: PendantState) -> None:
         """All forced inputs, whatever is in front."""
         names = (channel_label(state.io, name) for name in sorted(state.io.forced))
         self._forced_strip.set_visibility(bool(state.io.forced))
-        self._forced.set_text(self._texts('bar.forced', inputs=', '.join(names)))
+        self._forced.set_text(self.text('bar.forced', inputs=', '.join(names)))
 
     def _show_mode(self, state: PendantState) -> None:
         if self._mode.value != state.mode:
@@ -206,9 +196,9 @@ class TopBar:
             self._slider.value = percent
 
     def _show_control(self) -> None:
-        text, desk = self._texts, self._viewer.operator.desk
+        text, desk = self.text, self.operator.desk
         holder = desk.holder
-        own = holder == self._viewer.id
+        own = holder == self.viewer.id
         who = 'in_control' if own else 'others' if holder else 'nobody'
         self._control.set_text(text(f'bar.{who}', address=desk.address))
         self._take.set_text(text('bar.give_back' if own else 'bar.take'))

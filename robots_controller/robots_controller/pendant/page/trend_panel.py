@@ -9,7 +9,7 @@ from nicegui import ui
 
 from robots_controller.pendant.page.choice import Choice
 from robots_controller.pendant.page.elements import choices, mark, show_text
-from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.trends import LONGEST, Signal
 
@@ -26,15 +26,12 @@ DASHES: Final = ('solid', 'dashed')  # the second four have the colours of neigh
 GREY: Final = '#8a979e'
 
 
-class TrendPanel:
-    """A diagram for each unit, one below the other, on the same time axis.
-
-    Args:
-        viewer: Its page.
-    """
+class TrendPanel(Part):
+    """A diagram for each unit, one below the other, on the same time axis."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer, text = viewer, viewer.texts
+        super().__init__(viewer)
+        text = viewer.texts
         self._drawn = 0.0
         self._known: tuple[Signal, ...] = ()
         self._recording = ''
@@ -61,14 +58,14 @@ class TrendPanel:
     def _limit(self) -> None:
         self._draw_soon()
         if len(self._choice.value) > MOST_SIGNALS:
-            self.line.show(self._viewer.texts('trends.too_many', most=MOST_SIGNALS))
+            self.line.show(self.text('trends.too_many', most=MOST_SIGNALS))
             self._choice.set_value(self._choice.value[:MOST_SIGNALS])
 
     async def _toggle_record(self) -> None:
-        recording = self._viewer.operator.recording
+        recording = self.operator.recording
         # By what the button says: another page may have begun or ended a bag just now.
         change = recording.end if self._recording else recording.begin
-        await self._viewer.do(self.line, lambda _: change())
+        await self.viewer.do(self.line, lambda _: change())
 
     def refresh(self, _state: PendantState) -> None:
         """Draw the signals, once a second."""
@@ -77,7 +74,7 @@ class TrendPanel:
         if now - self._drawn < DRAW_PERIOD:
             return
         self._drawn = now
-        trends = self._viewer.operator.trends
+        trends = self.operator.trends
         if trends.signals is not self._known:
             first = not self._known
             self._known = trends.signals
@@ -89,15 +86,15 @@ class TrendPanel:
         self._chart.update()
 
     def _show_recording(self) -> None:
-        self._recording, text = self._viewer.operator.recording.bag, self._viewer.texts
+        self._recording = self.operator.recording.bag
         on = bool(self._recording)
-        self._record.set_text(text('trends.end' if on else 'trends.record'))
+        self._record.set_text(self.text('trends.end' if on else 'trends.record'))
         mark(self._record, 'recording', on=on)
-        show_text(self._bag, text('trends.recording', bag=self._recording) if on else '')
+        show_text(self._bag, self.text('trends.recording', bag=self._recording) if on else '')
 
     def _label(self, signal: Signal) -> str:
         quantity = signal.key.split(' ')[0].split('.')[0]
-        return f'{self._viewer.texts(f"trends.{quantity}")} {signal.name}'.strip()
+        return f'{self.text(f"trends.{quantity}")} {signal.name}'.strip()
 
     def _options(self) -> dict[str, Any]:
         known = {one.key: one for one in self._known}
@@ -137,7 +134,7 @@ class TrendPanel:
                 }
             )
         for number, one in enumerate(chosen):
-            times, values = self._viewer.operator.trends.curve(one.key, self._window.value)
+            times, values = self.operator.trends.curve(one.key, self._window.value)
             series.append(
                 {
                     'type': 'line',

@@ -12,7 +12,7 @@ from nicegui import run, ui
 from robots_controller.pendant.page.elements import Changes, mark, show_text, text_button
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState
-from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
+from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.pendant.texts import Texts
 from robots_core.errors import RobotsError
 
@@ -86,15 +86,25 @@ class Viewer:
 
     def reason(self, action: Action) -> str:
         """Why an action is not permitted; '' if it is."""
-        found = refusal(action, self.operator.state)
         try:
-            self.operator.desk.check(self.id)
+            self.operator.check(self.id, action)
         except NotPermittedError as error:
-            return self.texts.error(error)
-        return '' if found is None else self.texts.reason(found)
+            return self.texts.reason(error.reason)
+        return ''
 
 
-class ActionButton:
+class Part:
+    """A part of a page.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self.viewer, self.operator, self.text = viewer, viewer.operator, viewer.texts
+
+
+class ActionButton(Part):
     """A button for an action; one that is not permitted is pale, and says why when it is pressed.
 
     Args:
@@ -108,14 +118,15 @@ class ActionButton:
     def __init__(
         self, viewer: Viewer, action: Action, text: str, icon: str, press: Callable[[], object]
     ) -> None:
-        self._viewer, self._action, self._changed = viewer, action, Changes()
+        super().__init__(viewer)
+        self._action, self._changed = action, Changes()
         self.element = text_button(text, icon, press)
         with self.element:
             self._tooltip = ui.tooltip()
 
     def refresh(self) -> None:
         """Show whether it is permitted."""
-        reason = self._viewer.reason(self._action)
+        reason = self.viewer.reason(self._action)
         if self._changed(reason):
             mark(self.element, 'blocked', on=bool(reason))
             self.element.props(f'aria-disabled={"true" if reason else "false"}')

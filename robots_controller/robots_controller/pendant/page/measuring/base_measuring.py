@@ -20,7 +20,7 @@ class BaseMeasuring(Guide):
 
     def build(self) -> None:
         """See `Guide`."""
-        text = self.viewer.texts
+        text = self.text
         self._tool = (
             Choice({'': text('frames.flange')}, value='')
             .props(f'dense outlined options-dense label="{text("frames.touching_tool")}"')
@@ -31,7 +31,7 @@ class BaseMeasuring(Guide):
 
     def save(self, name: str) -> None:
         """See `Guide`."""
-        self.viewer.operator.measuring.save_base(self.file(), name, self._touching)
+        self.operator.measuring.save_base(self.file(), name, self._touching)
 
     @property
     def _touching(self) -> str:
@@ -40,21 +40,20 @@ class BaseMeasuring(Guide):
     def refresh(self) -> None:
         """See `Guide`."""
         super().refresh()
-        text = self.viewer.texts
         tools = self.frames.names('tool')
-        self._tool.show({'': text('frames.flange')} | {name: name for name in tools})
-        if self.changed(*self.viewer.operator.measuring.points['base'], self._touching, self.frames):
+        self._tool.show({'': self.text('frames.flange')} | {name: name for name in tools})
+        if self.changed(*self.operator.measuring.points['base'], self._touching, self.frames):
             self._show()
-        self._points.refresh([text(f'frames.base_{i + 1}') for i in range(NEEDED['base'])])
+        self._points.refresh([self.text(f'frames.base_{i + 1}') for i in range(NEEDED['base'])])
 
     def _show(self) -> None:
-        measuring, text = self.viewer.operator.measuring, self.viewer.texts
+        measuring = self.operator.measuring
         found, wrong = '', False
         try:
             if measuring.complete('base'):
                 base = measuring.base(measuring.tool_of(self.file(), self._touching))
-                angles = degrees(base, self.viewer.operator.robot.orientation_convention)
-                found = text('frames.pose', **millimetres(base.r), **angles)
+                angles = degrees(base, self.operator.robot.orientation_convention)
+                found = self.text('frames.pose', **millimetres(base.r), **angles)
         except RobotsError as error:
-            found, wrong = text.error(error), True
+            found, wrong = self.text.error(error), True
         show_result(self._found, found, wrong=wrong)

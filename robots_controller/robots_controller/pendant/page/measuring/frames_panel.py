@@ -11,22 +11,18 @@ from robots_controller.pendant.page.elements import choices
 from robots_controller.pendant.page.measuring.base_measuring import BaseMeasuring
 from robots_controller.pendant.page.measuring.payload_measuring import PayloadMeasuring
 from robots_controller.pendant.page.measuring.tool_measuring import ToolMeasuring
-from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 
 GUIDES: Final = (ToolMeasuring, BaseMeasuring, PayloadMeasuring)
 
 
-class FramesPanel:
-    """One guide at a time: of a tool, of a base, or of a payload.
-
-    Args:
-        viewer: Its page.
-    """
+class FramesPanel(Part):
+    """One guide at a time: of a tool, of a base, or of a payload."""
 
     def __init__(self, viewer: Viewer) -> None:
-        self._viewer = viewer
+        super().__init__(viewer)
         with ui.element('div').classes('panel frames-panel'):
             names = {one.name: viewer.texts(f'frames.{one.name}') for one in GUIDES}
             self._chosen = choices(names, GUIDES[0].name, viewer.refresh)
@@ -35,8 +31,8 @@ class FramesPanel:
 
     def _file(self) -> Path:
         """Of the program that is open; without one, that of the folder."""
-        named = self._viewer.operator.state.program.frames_file
-        return Path(named) if named else self._viewer.folder / FRAMES_FILE
+        named = self.operator.state.program.frames_file
+        return Path(named) if named else self.viewer.folder / FRAMES_FILE
 
     def refresh(self, _state: PendantState) -> None:
         """Show the guide that is chosen."""

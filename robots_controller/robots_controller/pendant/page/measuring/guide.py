@@ -10,14 +10,14 @@ from typing import ClassVar
 from nicegui import ui
 
 from robots_controller.pendant.page.elements import Changes, mark, show_text
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.files.cell_frames import CellFrames, FrameKind
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
 
-class Guide(ABC):
+class Guide(Part, ABC):
     """A guide through one sequence, and the name under which the frames file gets its result.
 
     Args:
@@ -32,7 +32,8 @@ class Guide(ABC):
     """What is saved."""
 
     def __init__(self, viewer: Viewer, line: RefusalLine, file: Callable[[], Path]) -> None:
-        self.viewer, self.line, self.file = viewer, line, file
+        super().__init__(viewer)
+        self.line, self.file = line, file
         self.frames = CellFrames()
         """Of the file."""
         self.changed = Changes()
@@ -61,13 +62,13 @@ class Guide(ABC):
 
     async def _save(self) -> None:
         name = str(self._name.value or '')
-        if await self.viewer.do(self.line, self.viewer.operator.measure, lambda: self.save(name)):
-            show_text(self._said, self.viewer.texts('frames.saved', name=name, file=self.file().name))
+        if await self.viewer.do(self.line, self.operator.measure, lambda: self.save(name)):
+            show_text(self._said, self.text('frames.saved', name=name, file=self.file().name))
 
     async def _undo(self) -> None:
-        operator = self.viewer.operator
+        operator = self.operator
         if await self.viewer.do(self.line, operator.measure, operator.measuring.history.undo):
-            show_text(self._said, self.viewer.texts('frames.undone'))
+            show_text(self._said, self.text('frames.undone'))
 
     def refresh(self) -> None:
         """Show what was measured, and the names that the file has."""
@@ -80,9 +81,9 @@ class Guide(ABC):
 
     def _read(self, file: Path) -> CellFrames:
         try:
-            return self.viewer.operator.measuring.frames(file)
+            return self.operator.measuring.frames(file)
         except RobotsError as error:
-            self.line.show(self.viewer.texts.error(error))
+            self.line.show(self.text.error(error))
             return CellFrames()
 
 

@@ -20,7 +20,7 @@ class PayloadMeasuring(Guide):
 
     def build(self) -> None:
         """See `Guide`."""
-        text = self.viewer.texts
+        text = self.text
         self._found: IdentifiedPayload | None = None
         with ui.element('div').classes('row-of-buttons'):
             self._presses = [
@@ -39,7 +39,7 @@ class PayloadMeasuring(Guide):
             self._show(None)
 
     def _start(self, viewer: str) -> None:
-        operator = self.viewer.operator
+        operator = self.operator
         operator.desk.check(viewer)
         if operator.state.torque is None:
             raise NotPermittedError(Reason('no_torque'))
@@ -50,7 +50,7 @@ class PayloadMeasuring(Guide):
         self._show(found[0] if found else None)
 
     def _identify(self, viewer: str) -> IdentifiedPayload:
-        operator = self.viewer.operator
+        operator = self.operator
         operator.desk.check(viewer)
         operator.motion.stop()
         if not operator.motion.duration:
@@ -61,14 +61,14 @@ class PayloadMeasuring(Guide):
         """See `Guide`."""
         if self._found is None:
             raise NotPermittedError(Reason('none_recorded'))
-        self.viewer.operator.measuring.save_payload(self.file(), name, self._found)
+        self.operator.measuring.save_payload(self.file(), name, self._found)
 
     def _show(self, found: IdentifiedPayload | None) -> None:
         self._found = found
         text = (
             ''
             if found is None
-            else self.viewer.texts(
+            else self.text(
                 'frames.mass',
                 mass=f'{found.payload.mass:.3f}',
                 mass_std=f'{found.mass_std:.3f}',
@@ -83,6 +83,6 @@ class PayloadMeasuring(Guide):
         super().refresh()
         for button in self._presses:
             button.refresh()
-        recording = self.viewer.operator.motion
-        self._duration.set_text(self.viewer.texts('frames.recorded', duration=f'{recording.duration:.0f}'))
+        recording = self.operator.motion
+        self._duration.set_text(self.text('frames.recorded', duration=f'{recording.duration:.0f}'))
         mark(self._duration, 'recording', on=recording.running)

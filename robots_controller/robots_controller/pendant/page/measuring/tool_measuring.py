@@ -25,7 +25,7 @@ class ToolMeasuring(Guide):
 
     def build(self) -> None:
         """See `Guide`."""
-        text = self.viewer.texts
+        text = self.text
         self._residuals: list[str] = []
         self._points = TouchedPoints(self.viewer, 'tool', self.line)
         self._found = ui.label().classes('found number')
@@ -45,12 +45,12 @@ class ToolMeasuring(Guide):
 
     def save(self, name: str) -> None:
         """See `Guide`."""
-        self.viewer.operator.measuring.save_tool(self.file(), name, self._axis)
+        self.operator.measuring.save_tool(self.file(), name, self._axis)
 
     def refresh(self) -> None:
         """See `Guide`."""
         super().refresh()
-        measuring, text, axis = self.viewer.operator.measuring, self.viewer.texts, self._axis
+        measuring, text, axis = self.operator.measuring, self.text, self._axis
         touched, turned = (tuple(measuring.points[kind]) for kind in ('tool', 'orientation'))
         if self.changed(touched, turned, axis):
             self._residuals = [
@@ -68,7 +68,7 @@ class ToolMeasuring(Guide):
         )
 
     def _show(self) -> None:
-        measuring, text = self.viewer.operator.measuring, self.viewer.texts
+        measuring = self.operator.measuring
         found = turned = ''
         wrong: ui.label | None = None
         try:
@@ -78,14 +78,14 @@ class ToolMeasuring(Guide):
                     'std': f'{1e3 * center.std.max():.2f}',
                     'residual': f'{1e3 * center.residuals.max():.2f}',
                 }
-                found = text('frames.center', **millimetres(center.r), **values)
+                found = self.text('frames.center', **millimetres(center.r), **values)
                 if measuring.complete('orientation'):
-                    convention = self.viewer.operator.robot.orientation_convention
-                    turned = text('frames.angles', **degrees(measuring.tool(self._axis), convention))
+                    convention = self.operator.robot.orientation_convention
+                    turned = self.text('frames.angles', **degrees(measuring.tool(self._axis), convention))
         except MeasurementError as error:
             if found:
-                turned, wrong = text.error(error), self._turned
+                turned, wrong = self.text.error(error), self._turned
             else:
-                found, wrong = text.error(error), self._found
+                found, wrong = self.text.error(error), self._found
         show_result(self._found, found, wrong=wrong is self._found)
         show_result(self._turned, turned, wrong=wrong is self._turned)

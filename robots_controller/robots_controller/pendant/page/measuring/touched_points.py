@@ -11,13 +11,13 @@ from nicegui import ui
 from robots_controller.measuring.frame_measuring import NEEDED
 from robots_controller.measuring.frame_measuring import Sequence as Kind
 from robots_controller.pendant.page.elements import Changes, icon_button
-from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 
 ICONS: Final = {'touched': 'check_circle', 'next': 'arrow_forward', 'later': 'radio_button_unchecked'}
 
 
-class TouchedPoints:
+class TouchedPoints(Part):
     """A row for each point, and buttons that touch the next one and start again.
 
     Args:
@@ -27,7 +27,8 @@ class TouchedPoints:
     """
 
     def __init__(self, viewer: Viewer, kind: Kind, line: RefusalLine) -> None:
-        self._viewer, self._kind, self._line, self._changed = viewer, kind, line, Changes()
+        super().__init__(viewer)
+        self._kind, self._line, self._changed = kind, line, Changes()
         text, operator, measuring = viewer.texts, viewer.operator, viewer.operator.measuring
         with ui.element('div').classes('sequence'):
             self._rows = ui.element('div').classes('touched-points')
@@ -41,7 +42,7 @@ class TouchedPoints:
                 ]
 
     def _do(self, step: Callable[[], None]) -> Awaitable[object]:
-        return self._viewer.do(self._line, self._viewer.operator.measure, step)
+        return self.viewer.do(self._line, self.operator.measure, step)
 
     def refresh(self, names: Sequence[str], details: Sequence[str] = ()) -> None:
         """Show the points.
@@ -52,14 +53,14 @@ class TouchedPoints:
         """
         for button in self._buttons:
             button.refresh()
-        count = len(self._viewer.operator.measuring.points[self._kind])
+        count = len(self.operator.measuring.points[self._kind])
         if not self._changed(count, *names, *details):
             return
         self._rows.clear()
         with self._rows:
             for index in range(max(NEEDED[self._kind], count)):
                 state = 'touched' if index < count else 'next' if index == count else 'later'
-                detail = details[index] if index < len(details) else self._viewer.texts('frames.touched')
+                detail = details[index] if index < len(details) else self.text('frames.touched')
                 self._build_row(index, state, names[index], detail if state == 'touched' else '')
 
     def _build_row(self, index: int, state: str, name: str, detail: str) -> None:
@@ -68,6 +69,6 @@ class TouchedPoints:
             ui.label(name).classes('name')
             ui.label(detail).classes('number detail')
             if state == 'touched':
-                label = self._viewer.texts('frames.remove', name=name)
-                remove = partial(self._viewer.operator.measuring.remove, self._kind, index)
+                label = self.text('frames.remove', name=name)
+                remove = partial(self.operator.measuring.remove, self._kind, index)
                 icon_button('close', label, lambda: self._do(remove))
