@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pendant_desk import ME, READY, Desk
 from robots_controller.commands.error_catalogue import error_catalogue
 from robots_controller.measuring.frame_measuring import FrameMeasuring
-from robots_controller.pendant.program_editing import save_program
+from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.texts import read_texts
 from robots_controller.program.files.cell_frames import CellFrames, Tool, check_frame
 from robots_controller.program.files.file_history import FileHistory
+from robots_controller.program.run_state import RunState
 from robots_controller.program.teaching import Teaching
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import MotionSamples, NumericalDynamics, Payload, identify_payload
@@ -100,7 +103,9 @@ def test_files_and_recordings_are_refused_in_german(tmp_path: Path) -> None:
     history, program = FileHistory(), tmp_path / 'a.lua'
     assert said(history.undo) == 'Es gibt nichts rückgängig zu machen.'
     program.write_text('wait(1)\n')
-    changed = said(lambda: save_program(history, program, '', 'wait(2)\n'))
+    shown = ShownProgram(str(program), RunState.OPENED, program.name)
+    operator = Desk(replace(READY, program=shown)).operator
+    changed = said(lambda: operator.save_program(ME, program.name, '', 'wait(2)\n'))
     assert changed.startswith('a.lua: Jemand anders')
     teaching, points = Teaching(ROBOT), tmp_path / 'a.points.yaml'
     assert 'Punkt braucht' in said(lambda: teaching.teach(points, ' ', np.array(ROBOT.home)))

@@ -25,7 +25,7 @@ from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
-from robots_controller.pendant.program_editing import findings, save_program
+from robots_controller.pendant.program_editing import findings
 from robots_controller.pendant.programs import program_file
 from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.trends import Trends
@@ -33,7 +33,8 @@ from robots_controller.program.files.taught_points import TaughtPoint
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import OperatingMode
-from robots_core.errors import InvalidInputError, NotNowError
+from robots_core.errors import InvalidInputError, NotNowError, ProgramError
+from robots_core.files.user_file import read_text
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, one_of
@@ -278,7 +279,14 @@ class PendantOperator:
         """
         self.check(viewer, Action.EDIT)
         program = Path(self.state.program.path)
-        save_program(self.teaching.history, program_file(program, file), before, after)
+        path = program_file(program, file)
+        if read_text(path, 'program') != before:
+            raise ProgramError(
+                'changed by another one while it was edited; it stays as it is',
+                file=path.name,
+                key='changed_since',
+            )
+        self.teaching.history.change({path: after})
         frames_file = self.state.program.frames_file
         problems = findings(program, self.robot.axes_data, self.state.io, frames_file)
         self._reopen()

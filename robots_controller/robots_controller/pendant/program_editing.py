@@ -1,45 +1,18 @@
-"""What an editor of robot programs needs: saving, findings, and what functions do."""
+"""What an editor of robot programs needs: findings, and what functions do."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Final
 
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.io.io_image import IMAGES, IoImage
 from robots_controller.pendant.pendant_state import ShownIo
-from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program_check.program_check import ProgramProblem, check_program
-from robots_core.errors import ProgramError
-from robots_core.files.user_file import read_text
 from robots_core.robot_model.axes_data import AxesData
-
-WHAT: Final = 'program'
-
-
-def save_program(history: FileHistory, path: Path, before: str, after: str) -> None:
-    """Write a program that was edited.
-
-    Args:
-        history: Takes the change.
-        path: The program.
-        before: Its text when editing began.
-        after: Its new text.
-
-    Raises:
-        ProgramError: somebody else has changed the file since, or it cannot be written.
-    """
-    if read_text(path, WHAT) != before:
-        raise ProgramError(
-            'changed by another one while it was edited; it stays as it is',
-            file=path.name,
-            key='changed_since',
-        )
-    history.change({path: after})
 
 
 def findings(path: Path, axes: AxesData, io: ShownIo, frames_file: str = '') -> tuple[ProgramProblem, ...]:
