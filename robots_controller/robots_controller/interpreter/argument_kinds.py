@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.files.cell_frames import FrameKind
+from robots_controller.program.motions.motion_command import Anchor
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
@@ -16,8 +18,15 @@ from robots_planning.motion_kinds import KIND_OF_FUNCTION
 from robots_planning.motion_settings import ON_BLOCKED as ON_BLOCKED_CHOICES
 from robots_planning.planner_choice import available_planners
 
-COMPARISONS: Final = ('<', '<=', '>', '>=', '==', '~=')
-ANCHORS: Final = ('distance_before_end', 'distance_after_start', 'time_before_end', 'time_after_start')
+COMPARISONS: Final[Mapping[str, Callable[[float, float], bool]]] = {
+    '<': operator.lt,
+    '<=': operator.le,
+    '>': operator.gt,
+    '>=': operator.ge,
+    '==': operator.eq,
+    '~=': operator.ne,
+}
+ANCHORS: Final[tuple[Anchor, ...]] = get_args(Anchor)
 
 
 @dataclass(frozen=True)

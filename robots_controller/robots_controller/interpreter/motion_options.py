@@ -108,7 +108,8 @@ _OUTPUTS: Final[Mapping[str, ArgumentKind]] = {
 
 def _check_switch(function: str, label: str, given: LuaArgument, sizes: Sizes) -> PathSwitch:
     fields = given.value.fields if isinstance(given.value, LuaTable) else {}
-    anchors, outputs = [key for key in fields if key in ANCHORS], [key for key in fields if key in _OUTPUTS]
+    anchors = [anchor for anchor in ANCHORS if anchor in fields]
+    outputs = [output for output in _OUTPUTS if output in fields]
     if not (len(anchors) == len(outputs) == 1 and len(fields) == 3 and 'value' in fields):
         has = ', '.join(sorted(fields)) or 'nothing'
         raise LuaCallError(f'{function}: options.{label} has {has}; valid is {_valid_switch()}')
@@ -125,7 +126,7 @@ def _check_switch(function: str, label: str, given: LuaArgument, sizes: Sizes) -
         return float(checked)
 
     return PathSwitch(
-        anchor=anchor,  # type: ignore[arg-type]  # one of ANCHORS
+        anchor=anchor,
         at=value(anchor, kinds.TIME, 'm' if anchor.startswith('distance') else 's'),
         kind=kind,
         index=int(value(output, _OUTPUTS[output])),

@@ -12,7 +12,6 @@ from robots_controller.interpreter.functions.common_arguments import (
 )
 from robots_controller.interpreter.functions.lua_function import Argument, lua_function
 from robots_controller.interpreter.functions.run_context import Family
-from robots_controller.interpreter.functions.signals import COMPARE
 from robots_controller.interpreter.lua_sandbox import Result
 from robots_controller.program.input_interrupts import DEFAULT_PRIORITY
 from robots_controller.program.motions.motion_command import Kind
@@ -44,7 +43,7 @@ class Interrupts(Family):
         self, index: float, comparison: str, value: float, _: Any, priority: float | None
     ) -> Result:
         """Lets an analog input interrupt the program when the comparison becomes true; see onDigitalInput."""
-        compare = COMPARE[comparison]
+        compare = kinds.COMPARISONS[comparison]
         return self._add(
             'analog', index, (index, comparison, value), lambda now: compare(now, value), priority
         )

@@ -1,7 +1,6 @@
 """Signals: inputs and outputs."""
 
-import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Final
 
 from robots_controller.interpreter import argument_kinds as kinds
@@ -25,14 +24,6 @@ from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
 from robots_controller.program.motions.motion_command import Kind, OutputChange
 
-COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
-    '<': operator.lt,
-    '<=': operator.le,
-    '>': operator.gt,
-    '>=': operator.ge,
-    '==': operator.eq,
-    '~=': operator.ne,
-}
 _CAME: Final = ('true, or false after `timeout`', 'boolean')
 
 
@@ -80,7 +71,7 @@ class Signals(Family):
 
         As waitAnalogInput(1, '>', 2.5).
         """
-        compare = COMPARE[comparison]
+        compare = kinds.COMPARISONS[comparison]
         return self._wait(lambda: compare(self._run.input('analog', index), value), timeout)
 
     @lua_function(DIGITAL_OUTPUT, Argument('time', kinds.TIME, 's', 'how long it is on'))
