@@ -18,17 +18,14 @@ CELL_OPTIONS: Final = (
 )
 """Names of the options that define a cell."""
 FILES: Final = {
-    'scene': ('FILE', 'scene with which the robot must not collide (YAML)'),
-    'io': ('FILE', 'scripted PLC to play (YAML)'),
-    'io_map': ('FILE', 'map of inputs and outputs to the topics of a PLC (YAML)'),
-    'frames': ('FILE', 'tools and bases by name (YAML); by default frames.yaml beside the program'),
-    'references': ('BAG', 'recording whose messages guide or jog the robot'),
-    'contact': ('FILE', 'what the tool touches, and force control that guides the robot there (YAML)'),
-    'orbit': (
-        'FILE',
-        "what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
-    ),
-    'cabin': ('FILE', 'cabin that the robot moves so that a person in it feels a vehicle (YAML)'),
+    'scene': 'scene with which the robot must not collide (YAML)',
+    'io': 'scripted PLC to play (YAML)',
+    'io_map': 'map of inputs and outputs to the topics of a PLC (YAML)',
+    'frames': 'tools and bases by name (YAML); by default frames.yaml beside the program',
+    'references': 'recording whose messages guide or jog the robot',
+    'contact': 'what the tool touches, and force control that guides the robot there (YAML)',
+    'orbit': "what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
+    'cabin': 'cabin that the robot moves so that a person in it feels a vehicle (YAML)',
 }
 """Options that name what is there, with what each is."""
 
@@ -62,10 +59,8 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         help="address of this machine at which the operator's page is served to other machines; "
         'needs --password-file; by default this machine alone has the page',
     )
-    kinds.add_file(parser, '--password-file', 'FILE', "its first line is the password of the operator's page")
-    kinds.add_file(
-        parser, '--driver', 'FILE', 'driver of a real robot, in the place of simulated drives (YAML)'
-    )
+    kinds.add_file(parser, '--password-file', "its first line is the password of the operator's page")
+    kinds.add_file(parser, '--driver', 'driver of a real robot, in the place of simulated drives (YAML)')
     parser.add_argument(
         '--opcua',
         type=kinds.port,
@@ -73,7 +68,7 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='PORT',
         help='TCP port at which the robot is an OPC UA server, such as 4840; 0 for none',
     )
-    kinds.add_file(parser, '--opcua-access', 'FILE', 'who may do what at the OPC UA server (YAML)')
+    kinds.add_file(parser, '--opcua-access', 'who may do what at the OPC UA server (YAML)')
     kinds.add_number(
         parser,
         '--watchdog',
@@ -150,8 +145,9 @@ def _add_what_a_cell_is_made_of(parser: argparse.ArgumentParser) -> None:
         choices=DRIVE_LEVELS,
         help='level of detail of the simulated drives; %(default)s by default',
     )
-    for name, (metavar, text) in FILES.items():
-        kinds.add_file(parser, f'--{name.replace("_", "-")}', metavar, text)
+    for name, text in FILES.items():
+        metavar = 'BAG' if name == 'references' else 'FILE'
+        kinds.add_file(parser, f'--{name.replace("_", "-")}', text, metavar)
     parser.add_argument(
         '--payload',
         type=kinds.payload,

@@ -17,12 +17,10 @@ def check_program_arguments(parser: argparse.ArgumentParser) -> None:
         text = f'number of {kind} inputs and outputs; %(default)d by default'
         kinds.add_count(parser, f'--{kind}', text, default=size)
     parser.add_argument('--walk', action='store_true', help='simulate the programs too')
-    kinds.add_file(parser, '--scene', 'FILE', 'simulate, with this scene (YAML)')
-    kinds.add_file(
-        parser, '--io', 'FILE', 'simulate, with all combinations of the inputs of this PLC script (YAML)'
-    )
-    kinds.add_file(parser, '--io-map', *FILES['io_map'])
-    kinds.add_file(parser, '--frames', *FILES['frames'])
+    kinds.add_file(parser, '--scene', 'simulate, with this scene (YAML)')
+    kinds.add_file(parser, '--io', 'simulate, with all combinations of the inputs of this PLC script (YAML)')
+    kinds.add_file(parser, '--io-map', FILES['io_map'])
+    kinds.add_file(parser, '--frames', FILES['frames'])
     text = 'largest number of combinations to simulate; %(default)d by default'
     kinds.add_count(parser, '--combinations', text, default=MOST_COMBINATIONS, least=1)
     text = 'longest simulated time of a combination, s; %(default)g by default'
@@ -38,13 +36,13 @@ def report_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('-o', '--output', type=kinds.new_file, metavar='FILE', help='write an HTML page')
     add_robot(parser, '--robot', 'name of the robot; by default the one that the bag names')
-    kinds.add_file(parser, '--scene', 'FILE', 'scene around the robot, for distances (YAML)')
+    kinds.add_file(parser, '--scene', 'scene around the robot, for distances (YAML)')
     kinds.add_namespace(parser, 'the recorded cell')
 
 
 def study_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `study`."""
-    kinds.add_file(parser, 'study', 'FILE', 'YAML file with the grid')
+    kinds.add_file(parser, 'study', 'YAML file with the grid')
     parser.add_argument(
         '-o',
         '--output',
@@ -70,7 +68,7 @@ def check_bag_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--against', type=kinds.bag, required=True, metavar='BAG', help='the bag that is expected'
     )
-    kinds.add_file(parser, '--tolerances', 'FILE', 'tolerances (YAML); by default all values must be equal')
+    kinds.add_file(parser, '--tolerances', 'tolerances (YAML); by default all values must be equal')
     parser.add_argument('--junit', type=kinds.new_file, metavar='FILE', help='write the result as JUnit XML')
     parser.add_argument('--partial', action='store_true', help='accept a recorded bag that was cut off')
 

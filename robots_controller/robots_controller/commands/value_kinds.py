@@ -153,7 +153,7 @@ def bag(text: str) -> Path:
     return below[0]
 
 
-def add_file(parser: argparse.ArgumentParser, flag: str, metavar: str, text: str) -> None:
+def add_file(parser: argparse.ArgumentParser, flag: str, text: str, metavar: str = 'FILE') -> None:
     """Add an argument that names something to read; as an option it may be '' for nothing."""
     action = parser.add_argument(
         flag, type=existing(flag.lstrip('-').replace('-', ' ')), metavar=metavar, help=text
