@@ -17,15 +17,18 @@ class Clocks:
     """`/clock` of instants 0, 1, ..., each sent `GAP` after the one before."""
 
     def __init__(self) -> None:
-        self.sent, self._taken = 0, 0
+        self.sent, self._taken = 0, set[int]()
+        self.late: list[int] = []
+        """Instants whose clocks are still on the way."""
 
     def take_all(self) -> list[tuple[Clock, dict[str, int]]]:
         found = []
-        for instant in range(self._taken, self.sent):
+        came = [instant for instant in range(self.sent) if instant not in self.late]
+        for instant in [instant for instant in came if instant not in self._taken]:
             message = Clock()
             message.clock.sec, message.clock.nanosec = divmod(START + instant * TICK, 1_000_000_000)
             found.append((message, {'source_timestamp': instant * GAP}))
-        self._taken = self.sent
+        self._taken.update(came)
         return found
 
 
@@ -52,4 +55,27 @@ def test_a_topic_that_is_looked_at_before_the_others_keeps_its_instants() -> Non
         (START + 2 * TICK, '2 5'),
         (START + 2 * TICK, '2 7'),
         (START + 3 * TICK, '3 7'),
+    ]
+
+
+def test_a_later_clock_of_another_sender_does_not_stand_for_those_that_are_late() -> None:
+    clocks = Clocks()
+    times = LockstepTimes(clocks)
+    clocks.sent, clocks.late = 5, [2, 3, 4]
+    found = [*times.stamped([message(1, 5), message(3, 5)], last=False)]
+    # The five instants so far were those of a sender that now lets another one go on.
+    times.expect(5, START + 4 * TICK)
+    clocks.sent = 8
+    assert times.missing == 3
+    found += times.stamped([message(6, 5)], last=False)
+    found += times.stamped([], last=False)
+    assert [data.decode() for _, _, data in found] == []
+    clocks.late = []
+    found += times.stamped([], last=False)
+    found += times.stamped([], last=False)
+    assert times.missing == 0
+    assert [(stamp // TICK * TICK, data.decode()) for stamp, _, data in found] == [
+        (START + TICK, '1 5'),
+        (START + 3 * TICK, '3 5'),
+        (START + 6 * TICK, '6 5'),
     ]

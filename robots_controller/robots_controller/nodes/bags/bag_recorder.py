@@ -88,13 +88,21 @@ class BagRecorder(Node):
         found = frozenset(topic for topic in topics if self._records(topic)) - self._left_out
         return found if found <= self._topics.keys() else None
 
+    def expect_instants(self, count: int, last: int) -> None:
+        """So many instants of a lock-step run have begun, the last one at this time (ns)."""
+        if self._times is not None:
+            self._times.expect(count, last)
+
     def missing(self, sent: Mapping[str, int]) -> str:
-        """What has not come yet of so many messages by topic; '' if all have."""
-        return '; '.join(
+        """What has not come yet of so many messages by topic, and of the clock; '' if all have."""
+        found = [
             f'{self._received[topic]} of {count} messages on {topic} have come'
             for topic, count in sent.items()
             if self._received[topic] < count
-        )
+        ]
+        if self._times is not None and self._times.missing:
+            found.append(f'the clocks of {self._times.missing} instants have not come')
+        return '; '.join(found)
 
     @property
     def closed(self) -> bool:

@@ -1,6 +1,6 @@
 """LockstepTimes: the simulated time at which each message of a lock-step run was sent."""
 
-from bisect import bisect_right
+from bisect import bisect_right, insort
 from collections.abc import Iterable, Mapping
 from typing import Final, Protocol
 
@@ -26,6 +26,8 @@ class Clocks(Protocol):
 class LockstepTimes:
     """Takes each message for sent at the last instant whose `/clock` was sent before it.
 
+    The clock has several senders, between whose messages there is no order: see `expect`.
+
     Messages of one instant follow each other by a nanosecond, in the order in which they were sent. Topics
     are read one after the other: a message may be seen after others that were sent later. So all wait
     until the topics are read again.
@@ -38,8 +40,24 @@ class LockstepTimes:
         self._clock = clock
         self._sent: list[int] = []  # when the clock of an instant was sent, ns of the system's clock
         self._instants: list[int] = []
+        self._forgotten = 0  # instants
+        self._complete = 0  # ns of the system's clock: those of all instants that were sent before are here
+        self._expected = 0, START
         self._waiting: list[Sent] = []
         self._last = START - 1
+
+    def expect(self, count: int, last: int) -> None:
+        """Wait for the clocks of so many instants up to `last` (ns) before a later one is relied on.
+
+        Called before whoever sends the clock next does so.
+        """
+        self._expected = count, last
+
+    @property
+    def missing(self) -> int:
+        """Number of expected clocks that have not come."""
+        count, last = self._expected
+        return max(count - self._forgotten - bisect_right(self._instants, last), 0)
 
     def stamped(self, came: Iterable[Sent], *, last: bool) -> Iterable[Sent]:
         """The messages whose instants are known, in order, with simulated times.
@@ -50,10 +68,12 @@ class LockstepTimes:
         """
         messages = sorted([*self._waiting, *came], key=lambda message: message[0])
         # Sent before it, a message was there when this check of the topics began.
-        complete = self._sent[-1] if self._sent else 0
+        complete = self._complete
         for clock, info in self._clock.take_all():
-            self._sent.append(info['source_timestamp'])
-            self._instants.append(nanoseconds(clock.clock))
+            insort(self._sent, info['source_timestamp'])
+            insort(self._instants, nanoseconds(clock.clock))
+        if self._sent and not self.missing:
+            self._complete = self._sent[-1]
         known = len(messages)
         if not last:
             known = bisect_right(messages, complete, key=lambda message: message[0])
@@ -64,4 +84,5 @@ class LockstepTimes:
             self._last = max(instant, self._last + 1)
             yield self._last, connection, data
         if len(self._sent) > QUEUE_DEPTH:
+            self._forgotten += len(self._sent) - QUEUE_DEPTH
             del self._sent[:-QUEUE_DEPTH], self._instants[:-QUEUE_DEPTH]

@@ -50,6 +50,9 @@ class Recorder(Protocol):
     def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
         """Those of the topics that it records; None while it is not subscribed to all of these."""
 
+    def expect_instants(self, count: int, last: int) -> None:
+        """So many instants have begun, the last one at this time (ns); their clocks may be on the way."""
+
 
 class Coordinator:
     """Goes through the phases of one instant after the other (see `Phase`), each as soon as all is quiet.
@@ -85,13 +88,14 @@ class Coordinator:
         joining_patience: float = JOINING_PATIENCE,
     ) -> None:
         self.instants = 0
-        """Instants so far."""
+        """Instants so far, without those in which a process had the lead."""
         self._node, self._expected = node, frozenset(expected)
         self._on_error, self._on_held = on_error, on_held
         self._patience, self._joining_patience = patience, joining_patience
         self._held, self._reported_held = held, False
         self._recorder, self._recorded = recorder, frozenset[str]()
         self._callers, self._leads, self._may_lead = callers, False, True
+        self._led_instants = 0
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
         self._names: list[str] = []
@@ -232,10 +236,13 @@ class Coordinator:
         if self._leads:
             self._gos[self._leader].publish(encode([self._sequence, self._agenda.time, HOLD]))
 
-    def _on_led(self, time: int, phase: int, failed: int) -> None:
+    def _on_led(self, time: int, phase: int, failed: int, instants: int) -> None:
         self._leads, self._published_time = False, time
         self._agenda.resume(time, phase)
         self._may_lead &= not failed
+        self._led_instants += instants
+        if self._recorder is not None:
+            self._recorder.expect_instants(self.instants + self._led_instants, time)
 
     # -- running -----------------------------------------------------------------------------------------
 
@@ -259,7 +266,7 @@ class Coordinator:
         self._progress = time.monotonic()
         for number, answered, busy, *numbers in decode_reports(data):
             if number == LED:
-                self._on_led(answered, busy, numbers[0])
+                self._on_led(answered, busy, *numbers)
                 continue
             name, phases = self._names[number], len(Phase)
             self._agenda.set_due(name, tuple(numbers[:phases]))

@@ -12,10 +12,10 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
+from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import START, Phase
 from robots_core.ros.lockstep.protocol import encode_clock
 from robots_core.ros.lockstep.traffic import Traffic
-from robots_core.ros.qos import STREAM
 
 if TYPE_CHECKING:
     from robots_core.ros.lockstep.participant import Participant
@@ -46,14 +46,15 @@ class Lead:
         self.name: Final = participants[0].name
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node
-        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', STREAM)
+        # A recorder in another process needs the clock of each instant, however far behind it is.
+        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', ALL)
         self._node = node
         self._traffic, self._agenda = Traffic(), Agenda()
         self._joined: dict[str, int] = {}
         self._busy: set[str] = set()
         self.active = False
         """The participants have the lead."""
-        self.sequence = self._turns = self._seen = 0
+        self.sequence = self._turns = self._seen = self._instants = 0
         self.time = self._published = START
         """The present instant, ns."""
         self.sent: tuple[int, ...] = ()
@@ -73,6 +74,7 @@ class Lead:
         """Take the lead, at an instant (ns) and the next phase of it."""
         self.active, self._held, self.sequence = True, False, sequence
         self.time = self._published = now
+        self._instants = 0
         self._agenda.resume(now, phase)
         self._outbox.keep()
         for participant in self._participants.values():
@@ -126,6 +128,7 @@ class Lead:
         self.sent = tuple(self._traffic.sent(topic) for topic in self._participants[self.name].polled)
         if turn.time != self._published:
             self._published = turn.time
+            self._instants += 1
             self._clock.publish(encode_clock(turn.time))
         for name in turn.participants:
             self._participants[name].take_turn(self.sequence, turn.time, turn.phase, self.sent)
@@ -144,4 +147,6 @@ class Lead:
         self._look.cancel()
         for participant in self._participants.values():
             participant.answer(self.sequence)
-        self._outbox.give_back(self._participants.values(), (*self._agenda.place, int(failed)))
+        self._outbox.give_back(
+            self._participants.values(), (*self._agenda.place, int(failed), self._instants)
+        )

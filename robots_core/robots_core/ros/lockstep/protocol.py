@@ -28,7 +28,7 @@ sent so far on each polled topic."""
 
 LED: Final = -1
 """In the place of a participant, in a report: a process gives the lead back; behind it time (ns), next phase,
-and whether the run cannot continue."""
+whether the run cannot continue, and for how many instants it has sent the clock."""
 
 
 def is_of_protocol(topic: str) -> bool:
