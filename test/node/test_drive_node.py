@@ -23,8 +23,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_status, doubles, stamp_id
 from robots_core.ros.qos import STATE
-from robots_core.ros.streams.arrivals import Arrivals
-from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.polled_subscription import Arrivals, PolledSubscription
 
 from .bench import Bench
 

@@ -91,7 +91,7 @@ def test_what_is_planned_when_the_planner_is_held_up_is_not_sent(ros_nodes: Any,
     if noticed:  # by the thread that gives signs of life
         bench.node.held_up(60.0)
     else:  # the thread that plans is the first to continue
-        bench.node.set_own_silence(lambda: 60.0)
+        bench.node.silence = lambda: 60.0
     goes_on.set()
     assert bench.refusal(id_).message == 'given up: the planner was held up'
     assert not bench.trajectories

@@ -6,7 +6,7 @@ from typing import Final
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.periodic.resting_rate import RestingRate
 from robots_core.periodic.watchdog import CHECKS
-from robots_core.ros.streams.arrivals import Arrivals
+from robots_core.ros.streams.polled_subscription import Arrivals
 
 # Periods. With references that come as often, feedback is sent when they come and not in between.
 PATIENCE: Final = 2
@@ -32,7 +32,7 @@ class DriveRest:
         period: float,
         watchdog: float,
     ) -> None:
-        self._supervised, self._resting, self._arrivals = supervised, resting, arrivals
+        self._supervised, self._resting, self.wait = supervised, resting, arrivals.wait
         self._most = max(0, int(watchdog / (CHECKS * period)) - 1) if watchdog else sys.maxsize
 
     def periods(self) -> int:
@@ -40,10 +40,6 @@ class DriveRest:
         if not self._supervised.settled or not (ahead := self._resting.ahead):
             return 0
         return min(ahead + PATIENCE, self._most)
-
-    def wait(self, timeout: float) -> bool:
-        """See `Rest`."""
-        return self._arrivals.wait(timeout)
 
     def left_out(self, periods: int) -> None:
         """See `Rest`."""

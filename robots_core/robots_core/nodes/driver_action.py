@@ -54,6 +54,7 @@ class DriverAction:
             )
         self._node, self._name, self._failed = node, settings.name, failed
         self._client = ActionClient(node, self._action, settings.name)
+        node.closing.callback(self._client.destroy)
         self._wanted: JointTrajectory | None = None
         self._sent: JointTrajectory | None = None
         self._number = 0  # of the newest goal
@@ -115,7 +116,3 @@ class DriverAction:
     def _fail(self, reason: str) -> None:
         self._sent, self._handle = None, None
         self._failed(reason)
-
-    def destroy(self) -> None:
-        """End the client with its node."""
-        self._client.destroy()

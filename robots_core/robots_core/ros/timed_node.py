@@ -78,7 +78,8 @@ class TimedNode(Node):
         """What the node has opened: `destroy_node` closes it, the last first, before the node itself."""
         self.closing.callback(super().destroy_node)
         self.closing.callback(self._stop_loops)
-        self._silence: Callable[[], float] = lambda: 0.0
+        self.silence: Callable[[], float] = lambda: 0.0
+        """How long the process has given no sign of life, s: after it was frozen, until the next one."""
         if follows_clock:
             self._clock_advanced = self.create_guard_condition(self._run_loops)
             self._jumps = on_clock_set(self.get_clock(), self._clock_advanced.trigger)
@@ -120,14 +121,6 @@ class TimedNode(Node):
         self._guards.append(guard_condition)
         self._wake_executor()  # type: ignore[no-untyped-call]
         return guard_condition
-
-    def silence(self) -> float:
-        """How long the process has given no sign of life, s: after it was frozen, until the next one."""
-        return self._silence()
-
-    def set_own_silence(self, silence: Callable[[], float]) -> None:
-        """Take the function by which a heartbeat returns how long the process has been silent, s."""
-        self._silence = silence
 
     def held_up(self, silence: float) -> None:
         """The process gave no sign of life for so long (s), and runs again; from the heartbeat's thread."""
@@ -255,5 +248,5 @@ class TimedNode(Node):
     def destroy_subscription(self, subscription: Any) -> bool:
         """As `Node.destroy_subscription`."""
         if self.participant is not None:
-            self.participant.destroyed(subscription)
+            self.participant.counts.close(subscription)
         return bool(super().destroy_subscription(subscription))

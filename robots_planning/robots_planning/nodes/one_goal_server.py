@@ -63,9 +63,10 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         self._node, self._action, self._make = node, action, goal
         self._goal: AnyGoal | None = None
         self._give_up = node.create_client(Trigger, 'controller_node/cancel')
-        self._server = ActionServer(
+        server = ActionServer(
             node, action, name, execute_callback=self._execute, cancel_callback=self._cancel
         )
+        node.closing.callback(server.destroy)
 
     @abstractmethod
     async def _run(self, goal: AnyGoal) -> Outcome:
@@ -126,10 +127,6 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
     def _stop_motion(self) -> None:
         """Have the controller stop on the path."""
         self._give_up.call_async(Trigger.Request())
-
-    def destroy(self) -> None:
-        """End the server with its node."""
-        self._server.destroy()
 
 
 def resolve(future: Future, result: Any = None) -> None:

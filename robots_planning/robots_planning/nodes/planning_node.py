@@ -105,6 +105,7 @@ class PlanningNode(RobotNode):
         """Of the commands."""
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
+        self.closing.callback(self._worker.shutdown, cancel_futures=True)
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
 
         self._reference = ControllerReference(self)
@@ -342,14 +343,6 @@ class PlanningNode(RobotNode):
             if self.reference() is not None:
                 self.destroy_timer(self._search_timer)
                 self.ready()
-
-    def destroy_node(self) -> None:
-        """End the planning thread before what it uses."""
-        self._worker.shutdown(cancel_futures=True)
-        self._jogging.stop()
-        for action in self._actions:
-            action.destroy()
-        super().destroy_node()
 
 
 main: Final = partial(run, PlanningNode)

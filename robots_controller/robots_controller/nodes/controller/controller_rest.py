@@ -15,15 +15,12 @@ class ControllerRest:
 
     def __init__(self, control: ControlLoop, references: ReferenceStream, health_every: int) -> None:
         self._control, self._references, self._health_every = control, references, health_every
+        self.wait = control.wait
 
     def periods(self) -> int:
         """See `Rest`."""
         idle = self._control.idle_cycles
         return idle and min(idle, self._references.ahead, -self._control.cycle % self._health_every)
-
-    def wait(self, timeout: float) -> bool:
-        """See `Rest`."""
-        return self._control.wait(timeout)
 
     def left_out(self, periods: int) -> None:
         """See `Rest`."""

@@ -111,9 +111,9 @@ class Lead:
     def _read(self, participant: Participant) -> None:
         _, _, busy, *numbers = participant.report()
         name, phases = participant.name, len(Phase)
-        if self._joined.get(name) != len(participant.endpoints):
-            self._joined[name] = len(participant.endpoints)
-            self._traffic.join(name, participant.endpoints)
+        if self._joined.get(name) != len(participant.counts.endpoints):
+            self._joined[name] = len(participant.counts.endpoints)
+            self._traffic.join(name, participant.counts.endpoints)
         self._agenda.set_due(name, tuple(numbers[:phases]))
         for place in range(phases, len(numbers), 2):
             self._traffic.count(name, numbers[place], numbers[place + 1])

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, Final
@@ -84,11 +84,13 @@ class Participant:
         self._answered = 0
         self._number: int | None = None
         self._roster: Roster | None = None
-        self._polled: dict[str, int] = {}  # where a topic is counted
+        self.polled: dict[str, int] = {}
+        """The topics that are polled, and where messages count them."""
         self._polled_counts: tuple[int, ...] = ()
         self._matched = 0  # version of the roster
         self._announced = Announcement('', ())
-        self._counts = Counts()
+        self.counts = Counts()
+        """Of its endpoints; a subscription that is destroyed is closed there."""
         self._works = Works()
         self._inside = self._busy = 0
         self._lock = threading.RLock()
@@ -116,16 +118,6 @@ class Participant:
     def members(self) -> Mapping[str, Sequence[Endpoint]]:
         """Endpoints of all participants by their full names; empty until the coordinator was found."""
         return {} if self._roster is None else self._roster.participants
-
-    @property
-    def endpoints(self) -> Sequence[Endpoint]:
-        """Where it counts; more may follow."""
-        return self._counts.endpoints
-
-    @property
-    def polled(self) -> Iterable[str]:
-        """The topics that are polled, in the order in which messages count them."""
-        return self._polled
 
     def share(self, lead: Lead, outbox: Outbox) -> None:
         """Be one of several participants of a process."""
@@ -158,7 +150,7 @@ class Participant:
         qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
         options['event_callbacks'] = NO_SUBSCRIPTION_EVENTS
         kind: Kind = 'polled' if polled else 'subscription'
-        index = -1 if self.started else len(self._counts.endpoints)
+        index = -1 if self.started else len(self.counts.endpoints)
         if not polled:
             callback = counted_callback(callback, self, index)
         subscription = Node.create_subscription(self.node, message_type, topic, callback, qos, **options)
@@ -180,14 +172,10 @@ class Participant:
         count_client(client, self, index)
         return client
 
-    def destroyed(self, entity: Any) -> None:
-        """A subscription is not waited for any more."""
-        self._counts.close(entity)
-
     def is_behind(self, topic: str, sequence_number: int) -> bool:
         """More messages were sent on a polled topic before this phase than its newest one's number says."""
         self._update()
-        place = self._polled.get(topic)
+        place = self.polled.get(topic)
         if place is None or place >= len(self._polled_counts):
             return False
         return sequence_number < self._polled_counts[place]
@@ -247,14 +235,14 @@ class Participant:
 
     def sent(self, index: int) -> None:
         """A message is being sent."""
-        self._counts.sent(index)
+        self.counts.sent(index)
         if not self._busy:
             self._report_unless_inside()
 
     def received(self, index: int) -> None:
         """A message was handled."""
         if index >= 0:
-            self._counts.received(index)
+            self.counts.received(index)
 
     def enter(self) -> None:
         """A callback begins: the time is brought up to date, and reports wait until it ends."""
@@ -279,7 +267,7 @@ class Participant:
                 self._answered,
                 int(self._busy > 0),
                 *self._works.due(),
-                *self._counts.changes(),
+                *self.counts.changes(),
             ]
 
     # -- the coordinator's messages ----------------------------------------------------------------------
@@ -296,7 +284,7 @@ class Participant:
     def answer(self, sequence: int) -> None:
         """Have a turn answered, and all counts, in the next report."""
         self._answered = sequence
-        self._counts.forget()
+        self.counts.forget()
 
     def take_turn(self, sequence: int, now: int, phase: int, counts: Sequence[int]) -> None:
         """Do what is due in a phase of an instant (ns)."""
@@ -304,7 +292,7 @@ class Participant:
         self._set_time(sequence, now, counts)
         if phase == RELEASE:
             self.started = True
-            for entity in self._counts.entities:
+            for entity in self.counts.entities:
                 if isinstance(entity, CountedPublisher):
                     entity.release()
         elif phase == OVER:
@@ -354,7 +342,7 @@ class Participant:
     # -- joining -----------------------------------------------------------------------------------------
 
     def _add(self, kind: Kind, name: str, entity: Any, *, latched: bool = False) -> int:
-        index = self._counts.add(Endpoint(kind, name, latched), entity)
+        index = self.counts.add(Endpoint(kind, name, latched), entity)
         self._matching.reset()
         return index
 
@@ -365,7 +353,7 @@ class Participant:
             return
         self._roster = roster
         self._number = list(roster.participants).index(self.name)
-        self._polled = {topic: place for place, topic in enumerate(roster.polled)}
+        self.polled = {topic: place for place, topic in enumerate(roster.polled)}
         if not self.started:
             self._matching.reset()
 
@@ -375,7 +363,7 @@ class Participant:
             self._matched = self._roster.version
             self._matching.cancel()
         leader = '' if self._lead is None else self._lead.name
-        announcement = Announcement(self.name, tuple(self._counts.endpoints), self._matched, leader)
+        announcement = Announcement(self.name, tuple(self.counts.endpoints), self._matched, leader)
         if announcement != self._announced:
             self._announced = announcement
             self._participants.publish(String(data=announcement.to_json()))
@@ -390,7 +378,7 @@ class Participant:
             return False
         if self._lead is not None and not self._lead.is_matched:
             return False
-        for endpoint, entity in zip([*self._counts.endpoints], [*self._counts.entities], strict=False):
+        for endpoint, entity in zip([*self.counts.endpoints], [*self.counts.entities], strict=False):
             held = endpoint.kind == 'publisher' and entity.held is not None
             if self.started and not held:
                 continue

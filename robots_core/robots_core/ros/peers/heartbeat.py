@@ -43,7 +43,7 @@ class Heartbeat:
         self._publisher = make_publisher(node, UInt64, f'~/{HEARTBEAT}')
         self._message = serialize_message(UInt64(data=self.began))
         self._last = math.inf
-        node.set_own_silence(lambda: max(0.0, time.monotonic() - self._last))
+        node.silence = lambda: max(0.0, time.monotonic() - self._last)
         self._longest = SHORTEST + node.heartbeat_period - OFTEN
         self._thread = PeriodicThread(
             self.beat, period=node.heartbeat_period, name=HEARTBEAT, on_error=node.thread_failed
