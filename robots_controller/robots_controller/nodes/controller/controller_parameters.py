@@ -5,26 +5,16 @@ from typing import Final
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_core.ros.robot_node import RobotNode
 
-BOUNDS: Final = {
-    'smoothing_time': (0.0, 1.0),
-    'ramp_time': (1e-3, 60.0),
-    'feedback_timeout': (1e-3, 3600.0),
-    'goal_tolerance': (1e-9, 1.0),
-    'settling_time': (1e-3, 3600.0),
-    'following_error': (1e-6, 1e3),
-    'stream_timeout': (1e-3, 60.0),
+PARAMETERS: Final = {
+    'smoothing_time': ((0.0, 1.0), 'window of the moving average, s; 0 switches it off'),
+    'ramp_time': ((1e-3, 60.0), 'shortest time from standstill to full path speed after a pause, s'),
+    'feedback_timeout': ((1e-3, 3600.0), 'joint_states older than this are lost, s'),
+    'goal_tolerance': ((1e-9, 1.0), 'the robot stands at its target when every axis is this close, rad'),
+    'settling_time': ((1e-3, 3600.0), 'longest time from the end of the reference until it stands there, s'),
+    'following_error': ((1e-6, 1e3), 'largest distance of an axis to its reference, rad'),
+    'stream_timeout': ((1e-3, 60.0), 'a stream of single points is stale without one for this long, s'),
 }
-"""Lowest and highest values, in the units of the texts."""
-
-TEXTS: Final = {
-    'smoothing_time': 'window of the moving average, s; 0 switches it off',
-    'ramp_time': 'shortest time from standstill to full path speed after a pause, s',
-    'feedback_timeout': 'joint_states older than this are lost, s',
-    'goal_tolerance': 'the robot stands at its target when every axis is this close, rad',
-    'settling_time': 'longest time from the end of the reference until it stands there, s',
-    'following_error': 'largest distance of an axis to its reference, rad',
-    'stream_timeout': 'a stream of single points is stale without one for this long, s',
-}
+"""By name: lowest and highest values, in the unit of the text, and the text."""
 
 
 def settings_by_parameters(node: RobotNode) -> ControllerSettings:
@@ -36,7 +26,7 @@ def settings_by_parameters(node: RobotNode) -> ControllerSettings:
     rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0))
     default = ControllerSettings()
     values = {
-        name: node.parameter(name, getattr(default, name), text, bounds=BOUNDS[name])
-        for name, text in TEXTS.items()
+        name: node.parameter(name, getattr(default, name), text, bounds=bounds)
+        for name, (bounds, text) in PARAMETERS.items()
     }
     return ControllerSettings(period=1.0 / rate, **values)
