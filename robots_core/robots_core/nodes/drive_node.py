@@ -117,7 +117,7 @@ class DriveNode(ManagedNode):
         self._bodies: RendezvousTopics | None = None
         if bodies is not None:  # imported on demand: only a base that floats needs it
             topics = import_module('robots_core.nodes.rendezvous_topics')
-            self._bodies = topics.RendezvousTopics(self, bodies, self._report_grasp)
+            self._bodies = topics.RendezvousTopics(self, bodies)
         self._power = PolledSubscription(self, Bool, 'drives_on')
         self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', raw=True)
         self._reader = ReferenceReader(axes.names, 'joint_reference')
@@ -204,12 +204,6 @@ class DriveNode(ManagedNode):
     def moving(self) -> bool:
         """The axes move, or are moved."""
         return not self._supervised.standing
-
-    def _report_grasp(self, report: str, refused: bool) -> None:  # noqa: FBT001  # a callback
-        if refused:
-            self.journal.warning(report)
-        elif report:
-            self.journal.info(report)
 
     def _report_problem(self) -> None:
         self.report_problem(self._supervised.problem if self.active else INACTIVE, **self._figures)

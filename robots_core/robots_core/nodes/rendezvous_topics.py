@@ -1,6 +1,5 @@
 """RendezvousTopics: the bodies in orbit that drive_node moves, as topics."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,13 +21,10 @@ class RendezvousTopics:
     Args:
         node: The node of the drives.
         rendezvous: The bodies, stepped with the drives.
-        on_report: Gets what became of a grasp, and whether it was refused.
     """
 
-    def __init__(
-        self, node: RobotNode, rendezvous: Rendezvous, on_report: Callable[[str, bool], None]
-    ) -> None:
-        self._node, self._rendezvous, self._on_report = node, rendezvous, on_report
+    def __init__(self, node: RobotNode, rendezvous: Rendezvous) -> None:
+        self._node, self._rendezvous = node, rendezvous
         self._guides = PolledSubscription(node, String, 'guide')
         self._outputs = PolledSubscription(node, UInt8MultiArray, 'digital_outputs')
         self._digital = make_publisher(node, UInt8MultiArray, 'digital_inputs')
@@ -54,8 +50,10 @@ class RendezvousTopics:
         bodies, stamp = self._rendezvous, self._node.get_clock().now().to_msg()
         for topic, message in self._messages.after_step(stamp, bodies.reference):
             self._publishers[topic].publish(message)
-            if topic == 'grasp_status':
-                self._on_report(bodies.report, bodies.refused)
+            if topic == 'grasp_status' and bodies.refused:
+                self._node.journal.warning(bodies.report)
+            elif topic == 'grasp_status' and bodies.report:
+                self._node.journal.info(bodies.report)
         self._publish_inputs()
 
     def _publish_inputs(self) -> None:
