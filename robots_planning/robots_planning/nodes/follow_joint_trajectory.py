@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointNamesError, RobotsError
 from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times
-from robots_core.ros.messages import doubles, joint_indices, joint_values, seconds, stamp_id
+from robots_core.ros.messages import doubles, joint_indices, joint_motion, seconds, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array
@@ -204,14 +204,12 @@ class FollowJointTrajectory(OneGoalServer[TrajectoryGoal]):
 
     def _take_states(self) -> None:
         message = self._states.take()
-        if message is None or len(message.velocity) != len(message.name):
+        if message is None:
             return
         with self._node.refusing('joint_states'):
-            q, q_dot = (
-                joint_values(message.name, values, self._names, 'joint_states')
-                for values in (message.position, message.velocity)
-            )
-            self._actual = q, q_dot
+            q, q_dot, _ = joint_motion(message, self._names)
+            if q_dot is not None:
+                self._actual = q, q_dot
 
     def _errors(self, reference: tuple[Array, Array] | None) -> tuple[Array, Array] | None:
         actual = self._actual

@@ -3,14 +3,13 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-from builtin_interfaces.msg import Time
 from rclpy.task import Future
 from std_msgs.msg import Float64
 
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
-from robots_core.ros.messages import NANOSECONDS, stamp_id
+from robots_core.ros.messages import BUILD, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.commands.motion_planner import MotionPlanner
@@ -118,8 +117,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
         self._drop_progress()
         now = self._node.get_clock().now().nanoseconds
-        stamps = (divmod(now + index, NANOSECONDS) for index in range(len(commands)))
-        goal.ids = [stamp_id(Time(sec=sec, nanosec=nanosec)) for sec, nanosec in stamps]
+        goal.ids = [stamp_id(BUILD.time(now + index)) for index in range(len(commands))]
         goal.open = set(goal.ids)
         self._commanded |= dict.fromkeys(goal.ids, goal)
         for id_, (primitive, settings) in zip(goal.ids, commands, strict=True):

@@ -21,7 +21,7 @@ from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import joint_state_message, joint_values, seconds, twist_stamped_message
+from robots_core.ros.messages import joint_motion, joint_state_message, seconds, twist_stamped_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -81,16 +81,13 @@ class PendantLink(ProgramLink):
     def feedback(self) -> MeasuredMotion | None:
         """See `PendantPort`."""
         message = self._feedback.take()
-        if message is None or not len(message.effort):
+        if message is None:
             return None
         try:
-            q, tau = (
-                joint_values(message.name, values, self._names, 'joint_states')
-                for values in (message.position, message.effort)
-            )
+            q, _, tau = joint_motion(message, self._names)
         except InvalidInputError:
             return None
-        return MeasuredMotion(seconds(message.header.stamp), q, tau)
+        return None if tau is None else MeasuredMotion(seconds(message.header.stamp), q, tau)
 
     def show_ghost(self, q: Array | None) -> None:
         """See `PendantPort`; without positions the ghost is gone."""

@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final
 
-from builtin_interfaces.msg import Time
-
 from robots_controller.cell.ports import Configured
 from robots_controller.nodes.ports.program.planner_settings import PlannerSettings
 from robots_controller.program.motions.modal_settings import PLANNING_NODE, without_blend
@@ -82,8 +80,7 @@ class PlannerClient(PlannerSettings):
     def next_id(self) -> str:
         """The stamp of the next command: unique even while a simulated clock stands still."""
         self._last_stamp = max(self._node.get_clock().now().nanoseconds, self._last_stamp + 1)
-        seconds, nanoseconds = divmod(self._last_stamp, 1_000_000_000)
-        return stamp_id(Time(sec=seconds, nanosec=nanoseconds))
+        return stamp_id(BUILD.time(self._last_stamp))
 
     def command(self, id_: str, command: MotionCommand) -> None:
         """See `PlannerPort`."""
