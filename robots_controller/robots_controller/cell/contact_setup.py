@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from robots_core.validation import Array, bounded_vector, finite_vector
 
 VECTORS: Final = ('press', 'drive')
 FARTHEST: Final = 1e6  # m, of places, and of what directions are given by
-Made = TypeVar('Made')
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +62,13 @@ def read_contact(path: Path | str) -> ContactSetup:
         InvalidInputError: a file that is missing or not such a setup; names the file and the line.
     """
     section = read_yaml(path)
-    wheel, bed, control, outputs = (
-        section.needed_section(key) for key in ('wheel', 'bed', 'force_control', 'outputs')
-    )
+    wheel, bed, control, outputs = map(section.needed_section, ('wheel', 'bed', 'force_control', 'outputs'))
     x, y, height = _vector(bed, 'x', 2), _vector(bed, 'y', 2), bed.number('height')
     radius, width = wheel.number('radius'), wheel.number('width')
     setup = ContactSetup(
-        wheel=_made(wheel, lambda: Wheel(radius=radius, width=width)),
+        wheel=wheel.checked(lambda: Wheel(radius=radius, width=width)),
         soil=section.made('soil', _soil),
-        bed=_made(bed, lambda: SoilBed(height, np.array([x[0], y[0]]), np.array([x[1], y[1]]))),
+        bed=bed.checked(lambda: SoilBed(height, np.array([x[0], y[0]]), np.array([x[1], y[1]]))),
         hub=_vector(wheel, 'hub'),
         forward=_vector(wheel, 'forward'),
         control=_control(control),
@@ -80,7 +76,7 @@ def read_contact(path: Path | str) -> ContactSetup:
     )
     for part in (wheel, bed, control, outputs, section):
         part.finish()
-    _made(wheel, setup.contact)
+    wheel.checked(setup.contact)
     return setup
 
 
@@ -96,14 +92,6 @@ def check_one_guide(*guides: Path | str) -> None:
             f'{" and ".join(given)} both guide the robot: give a recording or a cabin, a contact or an '
             f'orbit, not two'
         )
-
-
-def _made(section: YamlSection, make: Callable[[], Made]) -> Made:
-    """What `make` returns; its errors get the section's line."""
-    try:
-        return make()
-    except InvalidInputError as error:
-        raise section.error(error.message) from error
 
 
 def _vector(section: YamlSection, key: str, size: int = 3) -> Array:
@@ -124,7 +112,7 @@ def _control(section: YamlSection) -> ForceControlSettings:
     vectors: dict[str, Any] = {name: _vector(section, name) for name in VECTORS}
     names = [field.name for field in fields(ForceControlSettings) if field.name not in VECTORS]
     numbers: dict[str, Any] = {name: section.number(name) for name in names}
-    return _made(section, lambda: ForceControlSettings(**vectors, **numbers))
+    return section.checked(lambda: ForceControlSettings(**vectors, **numbers))
 
 
 def _output(section: YamlSection, key: str) -> Channel:

@@ -80,14 +80,10 @@ def read_tolerances(path: Path | str) -> BagTolerances:
     section = read_yaml(path)
     below = section.section('default')
     default = _tolerance(below, TopicTolerance()) if below else TopicTolerance()
-    topics = section.section('topics')
     # First, so that a topic that is named is compared although all others are ignored.
     named = {text: TopicTolerance(mode='ignore') for text, _ in section.texts('ignore')}
-    for name in topics.keys if topics else ():
-        assert topics is not None
-        item = topics.section(name)
-        assert item is not None
-        named[name] = _tolerance(item, default)
+    for topics, name in section.entries('topics'):
+        named[name] = _tolerance(topics.needed_section(name), default)
     align = section.text('align', '')
     section.finish()
     return BagTolerances(default, MappingProxyType(named), align)
@@ -95,8 +91,7 @@ def read_tolerances(path: Path | str) -> BagTolerances:
 
 def _tolerance(section: YamlSection, default: TopicTolerance) -> TopicTolerance:
     modes: dict[str, Mode] = {mode: mode for mode in get_args(Mode)}
-    below = section.section('fields')
-    fields = tuple((path, _field(below, path)) for path in below.keys) if below else ()
+    fields = tuple((path, _field(below, path)) for below, path in section.entries('fields'))
     tolerance = TopicTolerance(
         mode=modes[section.text('mode', default.mode, among=modes)],
         time=section.number('time', default.time, low=0.0, high=LONGEST_TIME),

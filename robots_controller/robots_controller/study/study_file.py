@@ -141,10 +141,8 @@ def _override(section: YamlSection, text: str, line: int) -> float:
 
 
 def _parameters(section: YamlSection, programs: tuple[Path, ...]) -> Mapping[str, tuple[Value, ...]]:
-    inner = section.section('parameters')
     found: dict[str, tuple[Value, ...]] = {}
-    for name in inner.keys if inner is not None else ():
-        assert inner is not None
+    for inner, name in section.entries('parameters'):
         found[name] = tuple(_value(text) for text, _ in inner.texts(name))
         if not found[name]:
             raise inner.error(f'{name} has no values', name)

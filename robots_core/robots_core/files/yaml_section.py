@@ -172,6 +172,17 @@ class YamlSection:
             raise self.error(f'{key} is missing')
         return below
 
+    def checked(self, make: Callable[[], Made]) -> Made:
+        """What `make` returns.
+
+        Raises:
+            InvalidInputError: `make` has raised a RobotsError; with the section's line.
+        """
+        try:
+            return make()
+        except RobotsError as error:
+            raise self.error(error.message) from error
+
     def entries(self, key: str) -> list[tuple[YamlSection, str]]:
         """The keys of a mapping below a key, each with the mapping; none if the key is missing.
 

@@ -54,8 +54,7 @@ def read_plant_place(
     if not named or named[0] == 'topic':
         return None
     (name,) = named
-    below = item.section(name)
-    assert below is not None
+    below = item.needed_section(name)
     own = [port.removeprefix(f'{name} ') for port in servers if port.startswith(f'{name} ')]
     if not own:
         raise item.error(f'there is no server below {name} at the top of the file', name)

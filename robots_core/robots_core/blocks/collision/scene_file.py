@@ -7,7 +7,6 @@ from typing import Any, Final, TypeVar
 
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, PlacedObject, Scene, SceneObject
 from robots_core.blocks.zones.zone_section import read_zone
-from robots_core.errors import RobotsError
 from robots_core.files.placed_section import read_name, read_pose
 from robots_core.files.user_file import read_text
 from robots_core.files.yaml_section import YamlSection, located, parse_yaml
@@ -80,10 +79,7 @@ def _geometry(item: YamlSection, kind: str, folder: Path) -> Geometry:
     else:
         make, keys = ROUND[kind]
         numbers = {key: parts.number(key) for key in keys}
-        try:
-            geometry = make(**numbers)
-        except RobotsError as error:
-            raise parts.error(error.message) from error
+        geometry = parts.checked(lambda: make(**numbers))
     parts.finish()
     return geometry
 

@@ -82,10 +82,7 @@ def _made(section: YamlSection | None, kind: type[Made]) -> Made:
             row = item.default is MISSING or isinstance(item.default, tuple)
             values[item.name] = section.made(item.name, _row) if row else section.number(item.name)
     section.finish([item.name for item in fields(kind)])  # type: ignore[arg-type]
-    try:
-        return kind(**values)
-    except InvalidInputError as error:
-        raise section.error(error.message) from error
+    return section.checked(lambda: kind(**values))
 
 
 def _row(values: Any) -> tuple[float, ...]:

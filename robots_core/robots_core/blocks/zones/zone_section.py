@@ -5,7 +5,6 @@ from types import MappingProxyType
 from typing import Final
 
 from robots_core.blocks.zones.zone import HalfSpace, Keep, PlacedBox, What, Zone
-from robots_core.errors import RobotsError
 from robots_core.files.placed_section import read_name, read_pose
 from robots_core.files.yaml_section import YamlSection, located
 from robots_core.robot_model.shapes import Box
@@ -53,10 +52,7 @@ def _plane(item: YamlSection) -> HalfSpace:
     point = parts.made('point', lambda value: finite_vector(value, 3, 'point'))
     normal = parts.made('normal', lambda value: finite_vector(value, 3, 'normal'))
     parts.finish()
-    try:
-        return HalfSpace(point, normal)
-    except RobotsError as error:
-        raise parts.error(error.message) from error
+    return parts.checked(lambda: HalfSpace(point, normal))
 
 
 def _closed_by(item: YamlSection) -> dict[str, bool]:
