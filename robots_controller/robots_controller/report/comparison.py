@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Final
 
-from robots_controller.report.line_times import LineTime
+from robots_controller.report.line_times import ACTIVITIES, LineTime
 from robots_controller.report.motion_figures import MotionFigures
 from robots_controller.report.run_report import RunReport
 
@@ -46,7 +46,7 @@ class LineChange:
             after, before = (0.0 if x is None else getattr(x, name) for x in (self.after, self.before))
             return float(abs(after - before))
 
-        return max(('moving', 'waiting', 'io'), key=change)
+        return max(ACTIVITIES, key=change)
 
 
 @dataclass(frozen=True, eq=False)

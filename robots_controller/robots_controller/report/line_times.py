@@ -3,7 +3,7 @@
 import re
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from typing import Final, Literal
@@ -12,7 +12,8 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.report.recorded_run import RecordedRun
 
 Activity = Literal['moving', 'waiting', 'io']
-ACTIVITIES: Final[tuple[Activity, ...]] = ('moving', 'waiting', 'io')
+ACTIVITIES: Final[Mapping[Activity, str]] = {'moving': 'moving', 'waiting': 'waiting', 'io': 'I/O'}
+"""Their names in tables."""
 BEFORE: Final = '(before the first line)'
 _IO_CALL: Final = re.compile(
     r'\b(' + '|'.join(name for name in LUA_FUNCTIONS if re.search(r'(In|Out)put', name)) + r')\b'

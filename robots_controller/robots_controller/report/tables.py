@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
-from robots_controller.report.line_times import LineTime, time_spans
+from robots_controller.report.line_times import ACTIVITIES, LineTime, time_spans
 from robots_controller.report.motion_columns import KIND, NOTHING, Column
 from robots_controller.report.run_report import RunReport
 from robots_controller.terminal_table import Kind, TerminalTable
@@ -72,7 +72,7 @@ class ReportTable:
 def line_table(report: RunReport) -> ReportTable:
     """Cycle time by line."""
     names: tuple[tuple[str, Kind], ...] = tuple(
-        (name, 'number') for name in ('visits', 'moving', 'waiting', 'I/O', 'total s')
+        (name, 'number') for name in ('visits', *ACTIVITIES.values(), 'total s')
     )
     rows = [
         Row(

@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from robots_controller.report.comparison import RunComparison
+from robots_controller.report.line_times import ACTIVITIES
 from robots_controller.report.page.page import figure, page_table, page_text
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.page.page_panels import io_panels, lines_panel, spans_panel, speed_panel
@@ -55,16 +56,14 @@ def show_comparison(comparison: RunComparison, console: Console) -> None:
 def _figures(comparison: RunComparison) -> list[dict[str, str]]:
     before, after = comparison.before, comparison.after
 
-    def pair(label: str, one: float, other: float, unit: str, digits: int = 2) -> dict[str, str]:
+    def pair(label: str, one: float, other: float, unit: str) -> dict[str, str]:
         difference = other - one
         part = f' ({100.0 * difference / one:+.1f} %)' if one else ''
-        note = f'A {one:.{digits}f} {unit}, {difference:+.{digits}f}{part}'
-        shown = abs(difference) >= 0.5 * 10**-digits
-        return figure(label, f'{other:.{digits}f} {unit}', note, trend(difference) if shown else '')
+        note = f'A {one:.2f} {unit}, {difference:+.2f}{part}'
+        return figure(label, f'{other:.2f} {unit}', note, trend(difference))
 
     found = [pair('cycle time B', before.run.duration, after.run.duration, 's')]
-    for key, name in (('moving', 'moving'), ('waiting', 'waiting'), ('io', 'I/O')):
-        found.append(pair(name, before.times[key], after.times[key], 's'))
+    found += [pair(name, before.times[one], after.times[one], 's') for one, name in ACTIVITIES.items()]
     first, second = (float(report.energy.sum()) / 1e3 for report in (before, after))
     return [*found, pair('energy', first, second, 'kJ')]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from string import Template
 from typing import Any, Final
 
+from robots_controller.report.line_times import ACTIVITIES
 from robots_controller.report.motion_columns import PAGE
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.page.page_panels import run_panels
@@ -81,8 +82,8 @@ def figure(label: str, value: str, note: str = '', trend: str = '') -> dict[str,
 def _figures(report: RunReport) -> list[dict[str, str]]:
     times, run = report.times, report.run
     shares = (
-        f'{name} {100.0 * times[key] / max(run.duration, SHORTEST):.0f} %'
-        for key, name in (('moving', 'moving'), ('waiting', 'waiting'), ('io', 'I/O'))
+        f'{name} {100.0 * times[activity] / max(run.duration, SHORTEST):.0f} %'
+        for activity, name in ACTIVITIES.items()
     )
     found = [
         figure('cycle time', f'{run.duration:.2f} s', ', '.join(shares)),

@@ -46,7 +46,6 @@ def series(
     colour: str,
     *,
     show: tuple[float, float, str] = (1.0, 0.0, ''),
-    dashed: bool = False,
     digital: bool = False,
 ) -> dict[str, Any]:
     """A curve of a panel.
@@ -58,7 +57,6 @@ def series(
         values: (m,).
         colour: CSS.
         show: Scale, offset and unit of the number that the legend shows at the cursor.
-        dashed: Draw it so.
         digital: It is 0 or 1.
     """
     scale, offset, unit = show
@@ -72,7 +70,6 @@ def series(
         'low': low,
         'high': high,
         'colour': colour,
-        'dashed': dashed,
         'digital': digital,
         'show': {'scale': scale, 'offset': offset, 'unit': unit},
     }
