@@ -41,10 +41,7 @@ def line_deviation(run: RecordedRun, signals: RunSignals, motion: MotionRecord, 
     tool = motion.settings.tool_pose
     r = _tool_positions(signals, motion, part)
     start = r[0] if motion.before is None else (motion.before.pose @ tool).r
-    way = motion.tool_target.r - start
-    squared = float(way @ way)
-    along = np.clip((r - start) @ way / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(r))
-    away = np.linalg.norm(r - start - along[:, None] * way, axis=1)
+    away = distance_to_path(r, np.array([start, motion.tool_target.r]))
     outside = np.ones(len(r), dtype=bool)
     for corner, row in ((motion.before, 0), (None if motion.own else motion, -1)):
         if corner is not None:

@@ -11,7 +11,7 @@ from robots_controller.report.recorded_run import RecordedRun
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
-from robots_planning.motion_settings import NOTHING
+from robots_planning.motion_settings import MotionSettings
 
 LIMITS: Final = ('velocity', 'acceleration', 'torque')
 QUANTITIES: Final = ('position', *LIMITS)
@@ -54,9 +54,8 @@ class RunSignals:
         robot, axes = run.robot, run.robot.axes_data
         q_ref, q_dot_ref, q_ddot_ref = run.reference
         q, q_dot = run.feedback
-        needed = _needed(run)
+        needed, offset = _carried(run)
         torque = needed if run.effort is None else run.effort
-        offset = _offset(run)
         (r, T), (r_ref, T_ref) = robot.tool_poses(q), robot.tool_poses(q_ref)
         lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
         middle, half = axes.middle_and_half
@@ -79,14 +78,19 @@ class RunSignals:
         )
 
 
-def _needed(run: RecordedRun) -> Array:
-    """Torques that the references need, (m, n) N m (N), each motion with its payload."""
+def _carried(run: RecordedRun) -> tuple[Array, Array]:
+    """Torques that the references need, (m, n) N m (N), and positions of the tool in tool0, (m, 3) m.
+
+    Payload and tool are those of the last motion.
+    """
     moved = [motion for motion in run.motions if motion.moved]
-    carried = [NOTHING, *(motion.settings.payload for motion in moved)]
-    models = {payload: loaded_robot(run.robot, payload).rigid_dynamics_model for payload in set(carried)}
-    part = np.searchsorted([motion.start for motion in moved], run.time, side='right')
-    states = zip(part, *run.reference, strict=True)
-    return np.array([models[carried[row]].torques(*state) for row, *state in states])
+    last = np.searchsorted([motion.start for motion in moved], run.time, side='right')
+    settings = [MotionSettings(), *(motion.settings for motion in moved)]
+    payloads = [one.payload for one in settings]
+    models = {payload: loaded_robot(run.robot, payload).rigid_dynamics_model for payload in set(payloads)}
+    states = zip(last, *run.reference, strict=True)
+    torques = np.array([models[payloads[row]].torques(*state) for row, *state in states])
+    return torques, np.array([one.tool_pose.r for one in settings])[last]
 
 
 def energy(time: Array, power: Array) -> Array:
@@ -115,13 +119,6 @@ def _steps(run: RecordedRun) -> tuple[Array, Array]:
     change = np.diff(rate, axis=0) / run.period * (whole[1:] & whole[:-1])
     none = np.zeros((min(2, len(q)), q.shape[1]))
     return np.concatenate([none[:1], rate]), np.concatenate([none, change])
-
-
-def _offset(run: RecordedRun) -> Array:
-    """Position of the tool in tool0, (m, 3) m."""
-    moved = [motion for motion in run.motions if motion.moved]
-    tools = np.array([np.zeros(3), *(motion.settings.tool_pose.r for motion in moved)])
-    return np.asarray(tools[np.searchsorted([motion.start for motion in moved], run.time, side='right')])
 
 
 def _speed(robot: BaseRobotModel, q: Array, q_dot: Array, lever: Array) -> Array:
