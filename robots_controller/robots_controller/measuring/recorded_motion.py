@@ -9,10 +9,9 @@ import numpy as np
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.joint_rows import joint_rows
 from robots_controller.recording.message_rows import NANOSECONDS
-from robots_controller.recording.recorded_robot import NAMING, recorded_robot
+from robots_controller.recording.recorded_robot import recorded_robot
 from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.errors import BagError
-from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 
@@ -30,8 +29,7 @@ def recorded_motion(
         RobotsError: it is no bag, names no robot, or has no torques.
     """
     bag, prefix = read_bag(path), namespace.rstrip('/') + '/'
-    found = bag.deserialized([prefix + topic for topic in NAMING])
-    model = load_robot_model(robot or recorded_robot(bag, {topic: found[prefix + topic] for topic in NAMING}))
+    model = recorded_robot(bag, prefix, robot)
     rows = joint_rows(bag, f'{prefix}joint_states', model)
     q, _, tau = rows.values
     if q is None or tau is None:

@@ -1,17 +1,17 @@
 """IoChannel: what an input or output of a recorded run showed over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from robots_controller.io.io_image import IMAGES
+from robots_controller.recording.motion_record import Messages
 from robots_core.validation import Array, read_only
 
 IO_TOPICS: Final = (*(f'lua_program_node/{image}' for image in IMAGES), *IMAGES)
 IO_KINDS: Final = tuple(image.removesuffix('s') for image in IMAGES)
-NANOSECONDS: Final = 1e-9  # s
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,15 +33,12 @@ class IoChannel:
     label: str = ''
 
 
-def io_channels(
-    messages: Mapping[str, Sequence[tuple[int, Any]]], labels: Mapping[str, str], origin: int, end: float
-) -> tuple[IoChannel, ...]:
+def io_channels(messages: Messages, labels: Mapping[str, str], end: float) -> tuple[IoChannel, ...]:
     """The channels of a bag.
 
     Args:
-        messages: (ns, message) of `IO_TOPICS`.
+        messages: Those of `IO_TOPICS`.
         labels: Own names of channels, by name.
-        origin: Time 0, ns.
         end: End of the run, s; what comes later is left out.
     """
     channels: list[IoChannel] = []
@@ -54,7 +51,7 @@ def io_channels(
         values = np.zeros((len(rows), size))
         for row, (_, message) in enumerate(rows):
             values[row, : len(message.data)] = message.data
-        time = np.array([NANOSECONDS * (stamp - origin) for stamp, _ in rows])
+        time = np.array([time for time, _ in rows])
         keep = time <= end
         for index in range(size):
             channel = _channel(image, index, time[keep], values[keep, index], labels)

@@ -1,6 +1,6 @@
 """RecordedRun: a recorded program run as arrays on one time axis."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,6 @@ from robots_controller.recording.motion_record import (
 from robots_controller.recording.recorded_robot import recorded_robot
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
 from robots_core.errors import BagError
-from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 
@@ -120,11 +119,10 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     topics = ('min_distance', *IO_TOPICS, *MOTION_TOPICS)
     found = recorded.deserialized([*(prefix + topic for topic in topics), PARAMETERS])
     parameters = [message for _, message in found[PARAMETERS]]
-    messages = {topic: found[prefix + topic] for topic in topics}
     if f'{prefix}joint_states' not in {topic for topic, _, _ in recorded.messages}:
         there = ', '.join(sorted(recorded.topics)) or 'nothing'
         raise BagError(f'{bag} holds no {prefix}joint_states; a report needs them. It holds {there}')
-    model = load_robot_model(robot or recorded_robot(recorded, messages))
+    model = recorded_robot(recorded, prefix, robot)
     references, states = (
         joint_rows(recorded, prefix + topic, model) for topic in ('joint_reference', 'joint_states')
     )
@@ -132,9 +130,13 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     if not references.sent.size:
         references = _references_of(states)
         problem = problem or 'it holds no joint_reference; references are computed from the feedback'
-    origin = _program_start(messages['program_status'], int(references.sent[0]))
-    program = _program(messages['program_status'], origin)
-    motions = recorded_motions(_since(messages, origin), model)
+    origin = _program_start(found[f'{prefix}program_status'], int(references.sent[0]))
+    messages = {
+        topic: [(NANOSECONDS * (stamp - origin), message) for stamp, message in found[prefix + topic]]
+        for topic in topics
+    }
+    program = _program(messages['program_status'])
+    motions = recorded_motions(messages, model)
     time, late, reference = _references(references, origin)
     ends = (point.time for point in program if point.state in ENDED)
     end = next(ends, max(float(time[-1]), 0.0))
@@ -158,10 +160,8 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
         effort=effort,
         motions=motions,
         program=program,
-        io=io_channels(messages, _channel_labels(parameters), origin, float(end)),
-        distance=read_only(
-            np.array([(_time(t, origin), m.data) for t, m in messages['min_distance']]).reshape(-1, 2)
-        ),
+        io=io_channels(messages, _channel_labels(parameters), float(end)),
+        distance=read_only(np.array([(t, m.data) for t, m in messages['min_distance']]).reshape(-1, 2)),
         duration=float(end),
         program_state=last.get('state', UNKNOWN_STATE),
         program_error=last.get('error', ''),
@@ -186,26 +186,18 @@ def _program_start(statuses: Sequence[tuple[int, Any]], first_reference: int) ->
     return next(running, first_reference)
 
 
-def _program(statuses: Sequence[tuple[int, Any]], origin: int) -> tuple[ProgramPoint, ...]:
-    points = []
-    for stamp, status in statuses:
-        values = status_values(status)
-        points.append(
-            ProgramPoint(
-                _time(stamp, origin),
-                values.get('state', UNKNOWN_STATE),
-                values.get('file', ''),
-                int(values.get('line') or 0),
-                values.get('source', '').strip(),
-            )
+def _program(statuses: Sequence[tuple[float, Any]]) -> tuple[ProgramPoint, ...]:
+    since_start = ((time, status_values(status)) for time, status in statuses if time >= 0.0)
+    return tuple(
+        ProgramPoint(
+            time,
+            values.get('state', UNKNOWN_STATE),
+            values.get('file', ''),
+            int(values.get('line') or 0),
+            values.get('source', '').strip(),
         )
-    return tuple(point for point in points if point.time >= 0.0)
-
-
-def _since(
-    messages: Mapping[str, Sequence[tuple[int, Any]]], origin: int
-) -> dict[str, list[tuple[float, Any]]]:
-    return {topic: [(_time(stamp, origin), m) for stamp, m in messages[topic]] for topic in MOTION_TOPICS}
+        for time, values in since_start
+    )
 
 
 def _references(rows: JointRows, origin: int) -> tuple[Array, Array, tuple[Array, Array, Array]]:
@@ -256,7 +248,3 @@ def _due(rows: JointRows, origin: int) -> Array:
     """When samples were due, (k,) s; when they were sent if their stamps are of another clock."""
     sent, due = (NANOSECONDS * (times - origin) for times in (rows.sent, rows.stamp))
     return np.where(np.abs(due - sent) < 1.0, due, sent)
-
-
-def _time(stamp: int, origin: int) -> float:
-    return NANOSECONDS * (stamp - origin)
