@@ -157,7 +157,7 @@ def test_it_changes_on_the_path_without_a_stop() -> None:
     assert cell.speeds()[-1] > 4.0 * LIMIT
 
     cell.frame_limit.limit = LIMIT
-    cell.loop.change_caps()
+    cell.loop.search_paths()
     changed = len(cell.references)
     cell.run(until=lambda: cell.controller.progress > 0.6)
     slow = cell.speeds()[changed - 1 :]
@@ -167,7 +167,7 @@ def test_it_changes_on_the_path_without_a_stop() -> None:
     assert slow.min() > 0.5 * LIMIT
 
     cell.frame_limit.limit = 0.0
-    cell.loop.change_caps()
+    cell.loop.search_paths()
     cell.run()
     assert cell.speeds().max() > 4.0 * LIMIT
     assert not cell.failures

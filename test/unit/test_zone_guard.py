@@ -240,7 +240,7 @@ def test_what_is_attached_later_counts() -> None:
         cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.2)), 'motion')
         cell.step(5)
         cell.zones.set_scene(held)
-        cell.loop.change_borders()
+        cell.loop.search_paths()
         cell.run(until=cell.held)
         stood.append(cell.q[0])
     assert stood[1] < stood[0]

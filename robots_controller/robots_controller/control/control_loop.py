@@ -160,13 +160,16 @@ class ControlLoop:
         """The part of their speed at which the drives follow, 0..1."""
         self._put(lambda _: self.controller.speed.set_scaling(value))
 
-    def change_caps(self) -> None:
-        """Recompute how fast the frames may follow the motions that there are."""
-        controller = self.controller
+    def search_paths(self) -> None:
+        """Search the paths of the motions that there are anew, for their caps and the borders of zones."""
+        speed = self.controller.speed
         for coming in list(self._coming):
-            coming.cap = controller.speed.cap(coming.trajectory)
-        caps = [(motion, controller.speed.cap(motion.trajectory)) for motion in controller.motions]
-        self._put(lambda _: _set_caps(caps))
+            coming.cap, coming.borders = speed.cap(coming.trajectory), speed.borders(coming.trajectory)
+        found = [
+            (motion, speed.cap(motion.trajectory), speed.borders(motion.trajectory))
+            for motion in self.controller.motions
+        ]
+        self._put(lambda _: _set_found(found))
 
     def close_zones(self, closed: Collection[str]) -> None:
         """Close the borders of these zones, and open those of all others that can be opened."""
@@ -179,14 +182,6 @@ class ControlLoop:
         zones = self.controller.speed.zones
         if zones is not None:
             self._put(lambda _: zones.receive(robot, states))
-
-    def change_borders(self) -> None:
-        """Search the paths of the motions that there are anew for the borders of zones."""
-        controller = self.controller
-        for coming in list(self._coming):
-            coming.borders = controller.speed.borders(coming.trajectory)
-        borders = [(motion, controller.speed.borders(motion.trajectory)) for motion in controller.motions]
-        self._put(lambda _: _set_borders(borders))
 
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop on the path and give up all motions; the next one may move."""
@@ -379,11 +374,7 @@ class ControlLoop:
         self.controller.speed.paused = paused
 
 
-def _set_caps(caps: list[tuple[FollowedMotion, PathSpeedCap | None]]) -> None:
-    for motion, cap in reversed(caps):  # what a motion leads to comes behind it
+def _set_found(found: list[tuple[FollowedMotion, PathSpeedCap | None, tuple[Border, ...]]]) -> None:
+    for motion, cap, borders in reversed(found):  # what a motion leads to comes behind it
         motion.set_cap(cap)
-
-
-def _set_borders(borders: list[tuple[FollowedMotion, tuple[Border, ...]]]) -> None:
-    for motion, those in borders:
-        motion.borders = those
+        motion.borders = borders

@@ -321,7 +321,7 @@ class ControllerNode(ManagedNode):
     def _change_caps(self) -> None:
         limit = self.get_parameter('tool_speed_limit').value
         self._frame_limit.limit = self._controller.speed.authority.speed_limit(limit)
-        self._control.change_caps()
+        self._control.search_paths()
 
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(

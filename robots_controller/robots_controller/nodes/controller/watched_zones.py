@@ -95,4 +95,4 @@ class WatchedZones:
         self._scene = scene
         if changed and self._control is not None and self.guard is not None:
             self.guard.set_scene(scene)
-            self._control.change_borders()
+            self._control.search_paths()
