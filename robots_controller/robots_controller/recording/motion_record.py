@@ -124,15 +124,18 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     """
     plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
     results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
-    settings, program = _Timeline(messages['motion_settings']), _Timeline(messages['program_status'])
+    settings, program = (
+        [(time, status_values(status)) for time, status in messages[topic]]
+        for topic in ('motion_settings', 'program_status')
+    )
     commanders = messages.get('commander', ())
     # Those that a status names; the first one that does counts.
-    places = {values['motion']: values for values in reversed(program.values) if 'motion' in values}
+    places = {values['motion']: values for _, values in reversed(program) if 'motion' in values}
     commands = sorted(
         ((time, topic, message) for topic in KIND_OF_TOPIC for time, message in messages[topic]),
         key=lambda item: seconds(item[2].header.stamp),
     )
-    progress = _Progress(messages['motion_progress'])
+    progress = np.array([(time, part.data) for time, part in messages['motion_progress']]).reshape(-1, 2)
     # Ends on the plan by command, of each plan by its id; a later plan carries an earlier one on.
     ends = {values.pop('id', ''): values for values in (status_values(m) for _, m in messages['motion_plan'])}
     plan_of = {command: id_ for id_, of_plan in ends.items() for command in of_plan}
@@ -144,11 +147,13 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         id_ = _stamp_id(message)
         ended, result = results.get(id_, (time, None))
         last = plan_of.get(id_, id_)
-        now, place = program.at(time), places.get(id_, {})
+        now, place = _newest(program, time, {}), places.get(id_, {})
+        commander = _newest(commanders, time, None)
+        pendant = commander is not None and commander.data == Commander.PENDANT
         motion = replace(
             _command(
                 robot,
-                settings_from_text(settings.at(time), pendant=_of_pendant(commanders, time)),
+                settings_from_text(_newest(settings, time, {}), pendant=pendant),
                 (topic, message),
                 result,
                 planned=last in plans,
@@ -166,7 +171,7 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
                 motions[-1] = replace(motions[-1], followed=True)
             start, stood = max(planned[0], stood), ended
             values = {} if result is None else status_values(result)
-            done = progress.between(start, stood, float(values.get('progress', 1.0)))
+            done = _progress_between(progress, start, stood, float(values.get('progress', 1.0)))
             plan = _trajectory(planned[1], robot)
             of_plan = {c: float(end) for c, end in ends.get(last, {id_: plan.duration}).items()}
             of_plan[next(reversed(of_plan))] = plan.duration  # without rounding
@@ -221,26 +226,21 @@ def _on_plan(
     return found
 
 
-class _Progress:
-    """The controller's progress over time.
+def _progress_between(progress: Array, start: float, end: float, reached: float) -> tuple[Array, Array]:
+    """Times and done parts of a motion with this start and end, both included; `reached` is its last.
 
     Args:
-        messages: (time in s, done part of the plan), in order.
+        progress: Time (s) and done part of the plan, (k, 2), of the whole recording.
+        start: Of the motion, s.
+        end: Of the motion, s.
+        reached: Its last done part.
     """
-
-    def __init__(self, messages: Sequence[tuple[float, Any]]) -> None:
-        self._times = np.array([time for time, _ in messages])
-        self._parts = np.array([float(message.data) for _, message in messages])
-
-    def between(self, start: float, end: float, reached: float) -> tuple[Array, Array]:
-        """Times and done parts of a motion with this start and end, both included; `reached` is its last."""
-        inside = slice(*np.searchsorted(self._times, (start, end)))
-        times, parts = self._times[inside], self._parts[inside]
-        begun = int(np.flatnonzero(np.diff(parts, prepend=1.0) < 0.0).max(initial=0))
-        return (
-            np.concatenate([[start], times[begun:], [end]]),
-            np.concatenate([[0.0], np.minimum(parts[begun:], reached), [reached]]),
-        )
+    times, parts = progress[slice(*np.searchsorted(progress[:, 0], (start, end)))].T
+    begun = int(np.flatnonzero(np.diff(parts, prepend=1.0) < 0.0).max(initial=0))
+    return (
+        np.concatenate([[start], times[begun:], [end]]),
+        np.concatenate([[0.0], np.minimum(parts[begun:], reached), [reached]]),
+    )
 
 
 def status_values(status: Any) -> dict[str, str]:
@@ -248,27 +248,10 @@ def status_values(status: Any) -> dict[str, str]:
     return {item.key: item.value for item in status.values}
 
 
-class _Timeline:
-    """Values of statuses, by time.
-
-    Args:
-        messages: (time in s, status), in order.
-    """
-
-    def __init__(self, messages: Sequence[tuple[float, Any]]) -> None:
-        self._times = [time for time, _ in messages]
-        self.values = [status_values(message) for _, message in messages]
-
-    def at(self, time: float) -> dict[str, str]:
-        """The last one until a time, s; empty if there is none."""
-        index = bisect_right(self._times, time) - 1
-        return self.values[index] if index >= 0 else {}
-
-
-def _of_pendant(commanders: Sequence[tuple[float, Any]], time: float) -> bool:
-    """The pendant had command of the robot at a time, s."""
-    index = bisect_right(commanders, time, key=lambda item: item[0]) - 1
-    return index >= 0 and commanders[index][1].data == Commander.PENDANT
+def _newest(items: Sequence[tuple[float, Any]], time: float, default: Any) -> Any:
+    """The last one until a time, s, of items with their times, in order; the default if there is none."""
+    index = bisect_right(items, time, key=lambda item: item[0]) - 1
+    return items[index][1] if index >= 0 else default
 
 
 def _command(
