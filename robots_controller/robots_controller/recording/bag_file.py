@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -140,6 +141,7 @@ def read_bag(path: Path | str) -> Bag:
 
 
 Message = tuple[str, int, bytes]
+STAMP: Final = itemgetter(1)
 
 
 def _check_files(path: Path) -> None:
@@ -178,11 +180,7 @@ def _topics(connections: Iterable[Connection]) -> dict[str, BagTopic]:
 
 def _in_order(messages: Iterable[tuple[Connection, int, Any]]) -> tuple[Message, ...]:
     found = ((connection.topic, stamp, bytes(data)) for connection, stamp, data in messages)
-    return tuple(sorted(found, key=_stamp))
-
-
-def _stamp(message: Message) -> int:
-    return message[1]
+    return tuple(sorted(found, key=STAMP))
 
 
 class _ForeignError(BagError):
@@ -235,7 +233,7 @@ def _recovered(path: Path, error: Exception) -> Bag:
     if not messages:
         raise BagError(f'{path} cannot be read, and no message could be recovered: {reason}') from error
     problem = f'{"; ".join(cut) or reason}; {len(messages)} messages could be read'
-    return Bag(path, topics, tuple(sorted(messages, key=_stamp)), problem)
+    return Bag(path, topics, tuple(sorted(messages, key=STAMP)), problem)
 
 
 def _natural(path: Path) -> tuple[int, str]:

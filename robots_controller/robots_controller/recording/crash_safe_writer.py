@@ -46,12 +46,17 @@ class CrashSafeWriter(Writer):
         self.ended = False
         """The bag is closed."""
 
+    @property
+    def _file(self) -> CrashSafeFile:
+        """The file that is written."""
+        assert isinstance(self.storage, CrashSafeFile)
+        return self.storage
+
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Take a message; it stays in memory until there are many, or until `flush`."""
         if self.ended:
             return
-        storage: Any = self.storage
-        if storage.chunk.bio.tell() + len(data) > CHUNK_SIZE:
+        if self._file.chunk.bio.tell() + len(data) > CHUNK_SIZE:
             self._end_chunk()  # before the base class does: it writes chunks without the file's end
         super().write(connection, timestamp, data)
 
@@ -69,21 +74,18 @@ class CrashSafeWriter(Writer):
         step = max(1, CHUNK_SIZE // (4 * (rows.shape[1] + 64)))
         for start in range(0, 0 if self.ended else len(timestamps), step):
             part = slice(start, start + step)
-            storage: Any = self.storage
-            if storage.chunk.bio.tell() + rows[part].nbytes + 64 * step > CHUNK_SIZE:
+            if self._file.chunk.bio.tell() + rows[part].nbytes + 64 * step > CHUNK_SIZE:
                 self._end_chunk()
-                storage = self.storage
-            storage.write_rows(connection.id, timestamps[part], rows[part])
+            self._file.write_rows(connection.id, timestamps[part], rows[part])
             self.counts[connection.id] += len(timestamps[part])
         if len(timestamps):
             self.min_timestamp = min(int(timestamps[0]), self.min_timestamp)
             self.max_timestamp = max(int(timestamps[-1]), self.max_timestamp)
 
     def _end_chunk(self) -> None:
-        storage: Any = self.storage
-        if (len(storage.chunks) + 1) % self._chunks:
+        if (len(self._file.chunks) + 1) % self._chunks:
             with self._ended_by_errors():
-                storage.close_chunk()
+                self._file.close_chunk()
         else:
             self.flush()
 
@@ -96,12 +98,12 @@ class CrashSafeWriter(Writer):
         if not self.ended:
             with self._ended_by_errors():
                 self._save()
-                storage: Any = self.storage
-                if len(storage.chunks) >= MOST_CHUNKS:
-                    self._begin_file(storage)
+                if len(self._file.chunks) >= MOST_CHUNKS:
+                    self._begin_file()
 
-    def _begin_file(self, last: CrashSafeFile) -> None:
+    def _begin_file(self) -> None:
         """Go on in another file; the bag has it from the next flush on."""
+        last = self._file
         file = last.successor(len(self._finished) + 1)
         last.finish()
         self._finished.append(last)
@@ -109,21 +111,18 @@ class CrashSafeWriter(Writer):
 
     @property
     def _files(self) -> list[CrashSafeFile]:
-        storage: Any = self.storage
-        return [*self._finished, storage]
+        return [*self._finished, self._file]
 
     def close(self) -> None:
         """Write what has come and end."""
         if not self.ended:
-            storage: Any = self.storage
             self.flush()
             self.ended = True
-            storage.finish()
+            self._file.finish()
 
     def _save(self) -> None:
         description = self._description()
-        storage: Any = self.storage
-        storage.close(VERSION, json.dumps(description))
+        self._file.close(VERSION, json.dumps(description))
         # A reader finds the old description or the new one.
         new = self.metapath.with_suffix('.yaml.tmp')
         text = json.dumps({'rosbag2_bagfile_information': description}, separators=(',\n ', ': '))
@@ -169,9 +168,8 @@ class CrashSafeWriter(Writer):
             raise BagError(f'{self.path} cannot take more: {error.strerror}; it ends early') from error
 
     def _save_what_fits(self) -> None:
-        storage: Any = self.storage
         saved = False
-        while not saved and storage.go_back():
+        while not saved and self._file.go_back():
             files = self._files
             self.counts = {key: sum(file.channel_stats.get(key, 0) for file in files) for key in self.counts}
             self.min_timestamp = min(file.message_start_time for file in files)
@@ -179,4 +177,4 @@ class CrashSafeWriter(Writer):
             with suppress(OSError):
                 self._save()
                 saved = True
-        storage.finish()
+        self._file.finish()

@@ -43,7 +43,7 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
     Raises:
         RobotsError: a joint that is missing, or messages that cannot be read.
     """
-    found = [(stamp, data) for name, stamp, data in bag.messages if name == topic]
+    found = bag.serialized(topic)
     if not found:
         none = np.zeros(0, np.int64)
         return JointRows(none, none, (None, None, None), 0.0)
