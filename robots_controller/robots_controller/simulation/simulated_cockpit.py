@@ -1,12 +1,11 @@
 """SimulatedCockpit: what moves a cabin is played from a recording, and cued as the node does."""
 
-import math
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import Final
 
-from robots_controller.cell.guide_recording import NANOSECONDS, GuideRecording, GuidingMessage
+from robots_controller.cell.guide_recording import GuideRecording, GuidingMessage
 from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.simulation.simulated_guide import SENSOR_PERIOD, SensorSource, missing
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.cabin import Cabin
@@ -14,15 +13,13 @@ from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
 from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
-from robots_core.errors import PlanningError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
 
 POSE, TWIST = 'reference_pose', 'reference_twist'
-PERIOD: Final = round(NANOSECONDS / RATE)  # ns
 
 
-class SimulatedCockpit:
+class SimulatedCockpit(SensorSource):
     """A `GuideSource` of the poses that cue a recorded motion, 250 times a second.
 
     Args:
@@ -30,31 +27,23 @@ class SimulatedCockpit:
         recording: The inputs of its driver, or the motion of a vehicle; None for none.
     """
 
-    start: int | None = 0
-
     def __init__(self, cabin: Cabin, recording: GuideRecording | None) -> None:
+        super().__init__()
         self.types: Mapping[str, str] = MappingProxyType(
             {POSE: 'geometry_msgs/msg/PoseStamped', TWIST: 'geometry_msgs/msg/TwistStamped', **INPUTS}
         )
         self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
         self._replay = None if recording is None else GuideReplay(recording)
-        self._times = PeriodicSchedule(PERIOD)
-        self._handed_over = False
-
-    @property
-    def next_time(self) -> float:
-        """See `GuideSource`."""
-        return 0.0 if self._handed_over else math.inf
+        self._times = PeriodicSchedule(SENSOR_PERIOD)
 
     def hand_over(self, guide: Guide, now: int) -> None:
         """See `GuideSource`."""
-        if guide is Guide.PERSON or (guide is Guide.SENSOR and self._replay is None):
-            what = 'teach box' if guide is Guide.PERSON else 'driver'
-            raise PlanningError(f'a simulation has no {what}; --references names a recording of one')
+        if guide is Guide.SENSOR and self._replay is None:
+            raise missing('driver')
+        super().hand_over(guide, now)
         if self._replay is not None:
             self._replay.hand_over(guide, now)
-        self._handed_over = guide is Guide.SENSOR
-        if not self._handed_over:
+        if not self.handed_over:
             self._cockpit.reset()
 
     def due(self, now: int) -> Iterator[GuidingMessage]:
@@ -65,7 +54,7 @@ class SimulatedCockpit:
                 assert isinstance(message.value, (DriverInputs, VehicleMotion))
                 newest[message.topic] = message.value
                 yield message
-            if not self._handed_over:
+            if not self.handed_over:
                 continue
             for value in newest.values():
                 self._cockpit.take(value)

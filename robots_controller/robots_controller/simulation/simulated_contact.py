@@ -1,6 +1,5 @@
 """SimulatedContact: the simulated robot's wheel on its soil, its force sensor, and force control."""
 
-import math
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
@@ -16,9 +15,9 @@ from robots_controller.io.io_image import IoImage
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.simulated_guide import SensorSource
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.tool_wrench import joint_torques
-from robots_core.errors import PlanningError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.status import Status
@@ -27,7 +26,7 @@ from robots_core.validation import Array
 TOPIC: Final = 'reference_twist'
 
 
-class SimulatedContact:
+class SimulatedContact(SensorSource):
     """A `GuideSource` that presses by force, 250 times a second, on what the sensor measured last.
 
     Args:
@@ -39,33 +38,25 @@ class SimulatedContact:
     """
 
     types: Mapping[str, str] = MappingProxyType({TOPIC: 'geometry_msgs/msg/TwistStamped'})
-    start: int | None = 0
 
     def __init__(
         self, setup: ContactSetup, robot: BaseRobotModel, io: IoImage, control: ControlLoop, log: CellLog
     ) -> None:
+        super().__init__()
         self._setup, self._robot, self._io = setup, robot, io
         self._contact = setup.contact()
         self._control, self._log = control, log
         self._guide = ForceGuide(setup, robot, self._report)
         self._times = PeriodicSchedule(round(PERIOD * NANOSECONDS))
-        self._handed_over = False
         self._measured: tuple[Array, Array] | None = None
         self.joint_torques = np.zeros(robot.num_axes)
         """Of what presses on the tool, (n,), N m (N)."""
         self._report('')
 
-    @property
-    def next_time(self) -> float:
+    def hand_over(self, guide: Guide, now: int) -> None:
         """See `GuideSource`."""
-        return 0.0 if self._handed_over else math.inf
-
-    def hand_over(self, guide: Guide, now: int) -> None:  # noqa: ARG002  # as of a recording
-        """See `GuideSource`."""
-        if guide is Guide.PERSON:
-            raise PlanningError('a simulation has no teach box; --references names a recording of one')
-        self._handed_over = guide is Guide.SENSOR
-        self._guide.hand_over(handed_over=self._handed_over)
+        super().hand_over(guide, now)
+        self._guide.hand_over(handed_over=self.handed_over)
 
     def measure(self, feedback: JointFeedback) -> None:
         """Measure the wrench at the end of a period."""

@@ -56,6 +56,32 @@ class GuideSource(Protocol):
         """The messages that have come until `now`."""
 
 
+class SensorSource:
+    """A `GuideSource` without a recording, whose messages come while a sensor guides the robot."""
+
+    start: int | None = 0
+
+    def __init__(self) -> None:
+        self.handed_over = False
+        """A sensor guides the robot now."""
+
+    @property
+    def next_time(self) -> float:
+        """See `GuideSource`."""
+        return 0.0 if self.handed_over else math.inf
+
+    def hand_over(self, guide: Guide, now: int) -> None:  # noqa: ARG002  # as of a recording
+        """See `GuideSource`."""
+        if guide is Guide.PERSON:
+            raise missing(MISSING[guide])
+        self.handed_over = guide is Guide.SENSOR
+
+
+def missing(what: str) -> PlanningError:
+    """The error to raise for what guides the robot only from a recording."""
+    return PlanningError(f'a simulation has no {what}; --references names a recording of one')
+
+
 class SimulatedGuide:
     """Passes on what comes from a source to the block that follows it, and its references to the controller.
 
@@ -132,9 +158,7 @@ class SimulatedGuide:
         source = self._source
         if source is None:
             if guide is not Guide.NONE:
-                raise PlanningError(
-                    f'a simulation has no {MISSING[guide]}; --references names a recording of one'
-                )
+                raise missing(MISSING[guide])
             return
         if source.start is None:
             self._sensor_times.begin(nanoseconds + 1)  # of this instant, guidance has had its turn

@@ -1,6 +1,5 @@
 """SimulatedRendezvous: the bodies in orbit, their camera and gripper, in a simulated cell."""
 
-import math
 from collections import deque
 from collections.abc import Iterator, Mapping
 
@@ -8,13 +7,13 @@ from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.io.io_image import Channel
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.ros_messages import BUILD
+from robots_controller.simulation.simulated_guide import SensorSource
 from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
 from robots_core.blocks.floating_base.rendezvous_messages import POSE, TWIST, TYPES, RendezvousMessages
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import PlanningError
 
 
-class SimulatedRendezvous:
+class SimulatedRendezvous(SensorSource):
     """A `GuideSource`, whose camera measures the target; takes the gripper's output and sets the inputs.
 
     Args:
@@ -23,24 +22,18 @@ class SimulatedRendezvous:
     """
 
     types: Mapping[str, str] = TYPES
-    start: int | None = 0
 
     def __init__(self, rendezvous: Rendezvous, robot: str) -> None:
+        super().__init__()
         self._rendezvous = rendezvous
         self._messages = RendezvousMessages(rendezvous, BUILD, robot)
         self._measured: deque[GuidingMessage] = deque()
         self._set = self.inputs
 
-    @property
-    def next_time(self) -> float:
+    def hand_over(self, guide: Guide, now: int) -> None:
         """See `GuideSource`."""
-        return 0.0 if self._rendezvous.guided else math.inf
-
-    def hand_over(self, guide: Guide, now: int) -> None:  # noqa: ARG002  # as of a recording
-        """See `GuideSource`."""
-        if guide is Guide.PERSON:
-            raise PlanningError('a simulation has no teach box; --references names a recording of one')
-        self._rendezvous.guided = guide is Guide.SENSOR
+        super().hand_over(guide, now)
+        self._rendezvous.guided = self.handed_over
 
     def due(self, now: int) -> Iterator[GuidingMessage]:
         """See `GuideSource`."""
