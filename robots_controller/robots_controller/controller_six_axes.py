@@ -123,7 +123,7 @@ class ControllerSixAxes:
         )
         self._cell.log.on_output = self._output_changed
         self._closed = False
-        self._cell.begin(ScriptedPlc(parts.plc_script).inputs)
+        self._cell.begin(ScriptedPlc(parts.cell_io.offline).inputs)
 
     def step(
         self,

@@ -130,9 +130,9 @@ def _walk(
         return [ProgramProblem(Path(program).name, 0, late)], []
     parts = cell_parts(program, robot=robot, scene=scene, frames=frames)
     planning = LenientPlanning(parts.planning)
-    plc_script = combination.script(_script(io))
+    cell_io = replace(parts.cell_io, script=combination.script(_script(io)))
     # Planning reports what collides; no guard stops the robot before it. Where guides would lead is unknown.
-    parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='', unguided=True)
+    parts = replace(parts, planning=planning, cell_io=cell_io, io='', scene='', unguided=True)
     cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}

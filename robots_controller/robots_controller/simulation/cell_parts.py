@@ -1,6 +1,5 @@
 """CellParts: the blocks of a cell in one process, set up as the nodes of a live one set them up."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,14 +12,12 @@ from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, c
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_controller.defaults import RATE
-from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.cell_io import CellIo, read_cell_io
 from robots_controller.io.emergency_inputs import (
     Stopping,
     emergency_stop_texts,
     parse_emergency_stop,
 )
-from robots_controller.io.fail_safe import FailSafe
-from robots_controller.io.plc_script import PlcScript
 from robots_controller.io.zone_inputs import Closing, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
@@ -49,11 +46,8 @@ class CellParts:
         payload: What the robot carries until its program sets another payload.
         controller: The controller.
         planning: The planner, with the check for collisions.
-        plc_script: What the PLC does; without rules if there is none.
-        io_labels: Names of inputs and outputs.
-        fail_safe: Values of outputs when no running program answers for them.
+        cell_io: The PLC, and what its files declare.
         emergency_stop: Inputs that stop the robot.
-        unknown_inputs: Why the values of digital inputs are not those of a PLC, by their indices.
         zone_inputs: Inputs that close the borders of zones.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
@@ -74,11 +68,8 @@ class CellParts:
     payload: tuple[float, ...]
     controller: Controller
     planning: PathPlanning
-    plc_script: PlcScript
-    io_labels: Mapping[str, Sequence[str]]
-    fail_safe: FailSafe
+    cell_io: CellIo
     emergency_stop: Stopping
-    unknown_inputs: Mapping[int, str]
     zone_inputs: Closing
     scene: str
     io: str
@@ -143,11 +134,8 @@ def cell_parts(
         payload=payload,
         controller=Controller(model.axes_data, settings, speed=speed),
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
-        plc_script=cell_io.offline,
-        io_labels=cell_io.labels,
-        fail_safe=cell_io.fail_safe,
+        cell_io=cell_io,
         emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
-        unknown_inputs=cell_io.unknown_offline,
         zone_inputs=closing_inputs(zones, cell_io.signals),
         scene=str(scene),
         io=str(io),

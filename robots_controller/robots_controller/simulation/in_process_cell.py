@@ -99,8 +99,8 @@ class InProcessCell:
             planner=link,
             controller=self.control,
             observer=self.log,
-            io_labels=parts.io_labels,
-            fail_safe=parts.fail_safe,
+            io_labels=parts.cell_io.labels,
+            fail_safe=parts.cell_io.fail_safe,
             payload=parts.payload,
             simulated=True,
         )
@@ -153,7 +153,7 @@ class InProcessCell:
         for channel, value in inputs.items():
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
-        self.log.begin(io, self._parts.io_labels, self._inputs, mode)
+        self.log.begin(io, self._parts.cell_io.labels, self._inputs, mode)
         self._host.open(self._parts.program, self._parts.points_file or '', self._parts.frames_file or '')
         self._host.mode_changed(mode)
         self._watch_inputs()
@@ -327,7 +327,7 @@ class InProcessCell:
         """Stop for the digital inputs that are published, and close zones by them."""
         bits = self.program.io.bits('digital_inputs')
         image = bits[: self._inputs.get('digital_inputs', 0)].tolist()
-        self._watched.check(image, self._parts.unknown_inputs)
+        self._watched.check(image, self._parts.cell_io.unknown_offline)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as the service, which takes none
         self.control.loop.stop_before_collision()

@@ -84,7 +84,7 @@ class SimulatedCell:
             on_settings=lambda settings: carried.carry(settings.payload),
             camera=self._bodies,
         )
-        self._plc = ScriptedPlc(parts.plc_script, self._cell.clock.now())
+        self._plc = ScriptedPlc(parts.cell_io.offline, self._cell.clock.now())
         self._cell.log.on_output = self._plc.output if self._bodies is None else self._bodies.output
         self._settled = False
         self._deadlocks = DeadlockDetection(longest, self._recording)
