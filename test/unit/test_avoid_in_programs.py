@@ -111,9 +111,11 @@ def run_into(tmp_path: Path, text: str, *coming: tuple[float, SceneObject]) -> S
 
     def check(time: float, _line: int) -> None:
         if waiting and time >= waiting[0][0]:
-            cell.set_scene(Scene((waiting.pop(0)[1],)))
+            guard.set_scene(Scene((waiting.pop(0)[1],)))
 
     cell = SimulatedCell(parts, drive='ideal', longest=60.0, on_progress=check)
+    guard = cell._cell._guard
+    assert guard is not None
     return cell.run()
 
 

@@ -25,10 +25,9 @@ from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide, guide_of_cell
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import CHECK_RATE, CollisionGuard
-from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
+from robots_core.errors import NotNowError, ProgramError, RobotsError
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
@@ -157,16 +156,6 @@ class InProcessCell:
         self._host.open(self._parts.program, self._parts.points_file or '', self._parts.frames_file or '')
         self._host.mode_changed(mode)
         self._watch_inputs()
-
-    def set_scene(self, scene: Scene) -> None:
-        """Change what is around the robot, as `collision_objects` does in a live cell.
-
-        Raises:
-            InvalidInputError: see `CollisionDetection.set_scene`, or the cell was begun without a scene.
-        """
-        if self._guard is None:
-            raise InvalidInputError('a cell without a scene has no guard that a new scene could be given to')
-        self._guard.set_scene(scene)
 
     def step(self) -> Array | None:
         """Go on to the next period, and let the controller make its step.

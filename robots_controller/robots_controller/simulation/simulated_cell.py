@@ -19,7 +19,6 @@ from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START
 from robots_controller.simulation.simulated_rendezvous import SimulatedRendezvous
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
@@ -94,10 +93,6 @@ class SimulatedCell:
         """End the simulation after the period under way; from any thread, and from a signal handler."""
         self._interrupted = True
         self._cell.program.stop()
-
-    def set_scene(self, scene: Scene) -> None:
-        """Change what is around the robot, in `on_progress`; see `InProcessCell.set_scene`."""
-        self._cell.set_scene(scene)
 
     def run(self) -> SimulationRun:
         """Run the program from its start to its end, and the robot to standstill.
