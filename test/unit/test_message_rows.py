@@ -31,7 +31,7 @@ def test_references_are_those_that_serialization_makes(samples: list[tuple[int, 
     kind = 'trajectory_msgs/msg/JointTrajectory'
     template = [marks(n, i) for i in range(3)]
     rows = MessageRows(
-        ros.typestore(), kind, ros.BUILD.joint_trajectory(0, names, [(4_000_000, *template)]), template
+        ros.typestore(), ros.BUILD.joint_trajectory(0, names, [(4_000_000, *template)]), template
     )
     stamps = np.array([stamp for stamp, _ in samples])
     filled = rows.fill(stamps, [values[:, i] for i in range(3)])
@@ -47,7 +47,7 @@ def test_references_are_those_that_serialization_makes(samples: list[tuple[int, 
 def test_a_message_without_header_has_no_stamp():
     kind, mark = 'std_msgs/msg/Float64', marks(1, 0)
     template = ros.message(kind, float(mark[0]))
-    rows = MessageRows(ros.typestore(), kind, template, [mark], stamped=False)
+    rows = MessageRows(ros.typestore(), template, [mark])
     filled = rows.fill(np.array([1, 2]), [np.array([0.25, 0.5])])
     expected = [bytes(ros.typestore().serialize_cdr(ros.message(kind, x), kind)) for x in (0.25, 0.5)]
     assert [row.tobytes() for row in filled] == expected

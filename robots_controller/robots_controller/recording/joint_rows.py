@@ -49,7 +49,7 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
         return JointRows(none, none, (None, None, None), 0.0)
     sent, data = np.array([stamp for stamp, _ in found], np.int64), [message for _, message in found]
     first = replace(bag, messages=((topic, *found[0]),)).deserialized([topic])[topic][0][1]
-    at_once = _template(bag, topic, first).read(data)
+    at_once = _template(bag, first).read(data)
     if at_once is None:
         stamp, groups = _one_by_one(
             [message for _, message in bag.deserialized([topic])[topic]], robot, topic
@@ -96,12 +96,12 @@ def _fields(message: Any) -> tuple[Any, tuple[str, ...]]:
     return (message.points[0], POINT_FIELDS) if hasattr(message, 'points') else (message, STATE_FIELDS)
 
 
-def _template(bag: Bag, topic: str, first: Any) -> MessageRows:
+def _template(bag: Bag, first: Any) -> MessageRows:
     holder, fields = _fields(first)
     groups = [marks(len(getattr(holder, name)), number) for number, name in enumerate(fields)]
     marked = replace(holder, **dict(zip(fields, groups, strict=True)))
     template = replace(first, points=[marked]) if hasattr(first, 'points') else marked
-    return MessageRows(bag.typestore(), bag.topics[topic].type, template, groups)
+    return MessageRows(bag.typestore(), template, groups)
 
 
 def _one_by_one(

@@ -23,25 +23,17 @@ class MessageRows:
     """A template of a message, filled row by row, or read so.
 
     Args:
-        typestore: Holds the type.
-        type_name: package/msg/Name.
+        typestore: Holds its type.
         template: Message whose changing numbers are those of `groups`.
         groups: Arrays of marks, each of which stands in the template as one run of doubles, or nowhere if it
             is empty.
-        stamped: It begins with a header.
     """
 
-    def __init__(
-        self,
-        typestore: Typestore,
-        type_name: str,
-        template: Any,
-        groups: Sequence[Array],
-        *,
-        stamped: bool = True,
-    ) -> None:
-        self._stamped = stamped
-        data = bytes(typestore.serialize_cdr(template, type_name))
+    def __init__(self, typestore: Typestore, template: Any, groups: Sequence[Array]) -> None:
+        self.type_name: str = template.__msgtype__
+        """package/msg/Name."""
+        self._stamped = hasattr(template, 'header')
+        data = bytes(typestore.serialize_cdr(template, self.type_name))
         self._template = np.frombuffer(data, np.uint8)
         self._places = [(data.index(group.tobytes()), group.size) for group in groups]
 

@@ -137,9 +137,11 @@ class SimulatedBag:
     # -- inside -----------------------------------------------------------------------------------
 
     def _write_rows(self, topic: str, stamps: NDArray[np.int64], values: list[Array]) -> None:
-        type_name, rows = self._rows[topic]
+        rows = self._rows[topic]
         with self._ended_by_errors():
-            self._writer.write_rows(self._connection(topic, type_name), stamps, rows.fill(stamps, values))
+            self._writer.write_rows(
+                self._connection(topic, rows.type_name), stamps, rows.fill(stamps, values)
+            )
 
     @contextmanager
     def _ended_by_errors(self) -> Iterator[None]:
@@ -163,7 +165,7 @@ class SimulatedBag:
             )
         return self._connections[topic]
 
-    def _templates(self, period: float) -> dict[str, tuple[str, MessageRows]]:
+    def _templates(self, period: float) -> dict[str, MessageRows]:
         n = len(self._names)
         rows, mark, wrench, pose = [marks(n, i) for i in range(3)], marks(1, 0), marks(6, 0), marks(7, 0)
         states = rows[: self._recording.state.shape[1]]
@@ -178,11 +180,6 @@ class SimulatedBag:
             'motion_progress': (BUILD.value(float(mark[0])), [mark]),
         }
         return {
-            topic: (
-                message.__msgtype__,
-                MessageRows(
-                    ros.typestore(), message.__msgtype__, message, groups, stamped=hasattr(message, 'header')
-                ),
-            )
+            topic: MessageRows(ros.typestore(), message, groups)
             for topic, (message, groups) in templates.items()
         }
