@@ -10,6 +10,8 @@ from rich.measure import Measurement
 from rich.table import Table
 
 Kind = Literal['number', 'text', 'code', 'bar']
+Columns = tuple[tuple[str, Kind], ...]
+"""Name and kind of each."""
 CODE_WIDTH: Final = 46
 """Characters of a line of a program, at most."""
 SMALLEST_WIDTH: Final = 40

@@ -19,7 +19,7 @@ from robots_controller.measuring.shown_numbers import degrees, millimetres
 from robots_controller.program.files.cell_frames import FRAMES_FILE, FrameKind
 from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program.files.taught_points import SUFFIX, TaughtPoint, read_points
-from robots_controller.terminal_table import Kind, TerminalTable
+from robots_controller.terminal_table import Columns, TerminalTable
 from robots_core.blocks.calibration.payload_identification import identify_payload
 from robots_core.errors import MeasurementError, OptionError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
@@ -27,13 +27,13 @@ from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
-RESULT: Final[tuple[tuple[str, Kind], ...]] = (
+RESULT: Final[Columns] = (
     ('quantity', 'text'),
     ('value', 'number'),
     ('+-', 'number'),
     ('unit', 'text'),
 )
-POINTS: Final[tuple[tuple[str, Kind], ...]] = (('point', 'text'), ('residual mm', 'number'))
+POINTS: Final[Columns] = (('point', 'text'), ('residual mm', 'number'))
 
 
 @dataclass(frozen=True)
@@ -95,17 +95,13 @@ def measure_tool(options: argparse.Namespace) -> Measured:
             f'{error} (point {int(index) + 1} is {names[int(index)]})', **error.details
         ) from None
     pose = measuring.tool(options.axis)
+    residuals = dict(zip(names, center.residuals.tolist(), strict=True))
     return Measured(
         'tool',
         _pose_rows(pose, robot, center.std.tolist(), turned=bool(turned)),
-        {
-            **_pose_data(pose),
-            'std': center.std,
-            'touched': center.touched,
-            'residuals': dict(zip(names, center.residuals.tolist(), strict=True)),
-        },
+        {**_pose_data(pose), 'std': center.std, 'touched': center.touched, 'residuals': residuals},
         lambda file, name: measuring.save_tool(file, name, options.axis),
-        dict(zip(names, center.residuals.tolist(), strict=True)),
+        residuals,
     )
 
 

@@ -11,12 +11,12 @@ from robots_controller.report.comparison import NOTICED, LineChange, RunComparis
 from robots_controller.report.line_times import ACTIVITIES, LineTime, time_spans
 from robots_controller.report.motion_columns import KIND, NOTHING, Column
 from robots_controller.report.run_report import RunReport
-from robots_controller.terminal_table import Kind, TerminalTable
+from robots_controller.terminal_table import Columns, TerminalTable
 
 BAR_WIDTH: Final = 24
 COLOURS: Final = {'worse': 'red', 'better': 'green'}
 
-LINE: Final[tuple[tuple[str, Kind], ...]] = (('line', 'number'), ('', 'code'))
+LINE: Final[Columns] = (('line', 'number'), ('', 'code'))
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class ReportTable:
     """
 
     title: str
-    columns: tuple[tuple[str, Kind], ...]
+    columns: Columns
     rows: tuple[Row, ...]
     keys: int = 1
 
@@ -71,9 +71,7 @@ class ReportTable:
 
 def line_table(report: RunReport) -> ReportTable:
     """Cycle time by line."""
-    names: tuple[tuple[str, Kind], ...] = tuple(
-        (name, 'number') for name in ('visits', *ACTIVITIES.values(), 'total s')
-    )
+    names: Columns = tuple((name, 'number') for name in ('visits', *ACTIVITIES.values(), 'total s'))
     rows = [
         Row(
             (
@@ -99,9 +97,7 @@ def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
         for column in columns
         if not column.optional or any(column.text(item) != NOTHING for item in report.motions)
     ]
-    named: list[tuple[str, Kind]] = [
-        (column.name, 'text' if column.words else 'number') for column in columns
-    ]
+    named: Columns = tuple((column.name, 'text' if column.words else 'number') for column in columns)
     rows = [
         Row(
             (report.place(item.motion), *(column.text(item) for column in columns)),
@@ -135,7 +131,7 @@ def change_table(comparison: RunComparison) -> ReportTable:
                 trends={4: trend(change.difference)} if trend(change.difference) else {},
             )
         )
-    names: tuple[tuple[str, Kind], ...] = (('A s', 'number'), ('B s', 'number'), ('change s', 'number'))
+    names: Columns = (('A s', 'number'), ('B s', 'number'), ('change s', 'number'))
     columns = (*LINE, *names, ('decided by', 'text'), ('', 'bar'))
     return ReportTable('Cycle time by line', columns, tuple(rows), len(LINE))
 
@@ -156,7 +152,7 @@ def largest_table(comparison: RunComparison) -> ReportTable:
         )
         for change in comparison.largest
     ]
-    names: tuple[tuple[str, Kind], ...] = (('decided in A by', 'text'), ('in B by', 'text'))
+    names: Columns = (('decided in A by', 'text'), ('in B by', 'text'))
     columns = (*LINE, ('change s', 'number'), ('in', 'text'), *names)
     return ReportTable('What changed, largest first' if rows else 'No line changed', columns, tuple(rows))
 
