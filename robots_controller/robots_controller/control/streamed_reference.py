@@ -47,7 +47,7 @@ class StreamPoint:
             JointLimitError: a position outside the limits.
             InvalidInputError: values not finite, too fast, due too late, or too long ago.
         """
-        axes.check_position(np.clip(self.position, *_widened(axes, self.position)), 'point')
+        axes.check_position(self.position, 'point', tolerance=TOLERANCE)
         for name in ('velocity', 'acceleration'):
             values, limit = getattr(self, name), getattr(axes, name)
             inside = np.abs(values) <= limit * (1.0 + TOLERANCE)
@@ -161,9 +161,3 @@ class StreamedReference:
         position = point.position + accelerated * (point.velocity + 0.5 * accelerated * point.acceleration)
         position += (t - accelerated) * velocity
         return self.following.step(q, q_dot, position, velocity, speed), False
-
-
-def _widened(axes: AxesData, position: Array) -> tuple[Array, Array]:
-    """Limits that take in a position that misses them by rounding."""
-    low = np.where(position >= axes.lower - TOLERANCE, axes.lower, -np.inf)
-    return low, np.where(position <= axes.upper + TOLERANCE, axes.upper, np.inf)

@@ -145,15 +145,15 @@ class AxesData:
             return 'N' if slides else 'N m'
         return ('m' if slides else 'rad') + _PER_TIME[quantity]
 
-    def check_position(self, q: ArrayLike, name: str = 'q') -> Array:
-        """`q` as (n,) array, if it lies inside the limits.
+    def check_position(self, q: ArrayLike, name: str = 'q', *, tolerance: float = LIMIT_TOLERANCE) -> Array:
+        """`q` as (n,) array, if it lies inside the limits, or beyond them by a tolerance, rad (m).
 
         Raises:
             JointLimitError: an axis is outside; names axis, value and limits.
             InvalidInputError: wrong shape, NaN or infinity.
         """
         values = finite_vector(q, self.num_axes, name)
-        outside = (values < self.lower - LIMIT_TOLERANCE) | (values > self.upper + LIMIT_TOLERANCE)
+        outside = (values < self.lower - tolerance) | (values > self.upper + tolerance)
         if outside.any():
             index = int(np.flatnonzero(outside)[0])
             raise JointLimitError(
