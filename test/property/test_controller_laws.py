@@ -10,6 +10,7 @@ from ruckig import InputParameter, Ruckig
 from ruckig import Trajectory as RuckigTrajectory
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_core.blocks.drives.drive_train import IdealDrive
 from robots_core.blocks.drives.supervised_drives import REFUSED, SupervisedDrives
 from robots_core.robot_model.axes_data import AxesData
@@ -120,7 +121,7 @@ def test_any_override_keeps_limits_and_path_and_reaches_the_target(
     if np.linalg.norm(goal - START) < 1e-3:
         return
     rig = Rig(period=period, smoothing_time=smoothing)
-    rig.controller.follow(ruckig_move(START, goal), 'a', rig.now)
+    rig.controller.follow(FollowedMotion(ruckig_move(START, goal), 'a'), rig.now)
     for steps, override in overrides:
         rig.controller.speed.set_override(override)
         for _ in range(steps):
@@ -142,7 +143,7 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
     if np.linalg.norm(goal - START) < 1e-3:
         return
     rig = Rig(period=0.004)
-    rig.controller.follow(ruckig_move(START, goal), 'a', rig.now)
+    rig.controller.follow(FollowedMotion(ruckig_move(START, goal), 'a'), rig.now)
     for _ in range(after):
         rig.step()
         if rig.controller.outcomes:
@@ -172,7 +173,7 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
 @pytest.mark.parametrize('after', [60, 100], ids=['while it accelerates', 'at full speed'])
 def test_velocities_keep_the_limits_of_acceleration_when_a_change_of_speed_begins(after: int) -> None:
     rig = Rig(period=0.004)
-    rig.controller.follow(ruckig_move(START, np.array([2.5, 1.5, -1.2])), 'a', rig.now)
+    rig.controller.follow(FollowedMotion(ruckig_move(START, np.array([2.5, 1.5, -1.2])), 'a'), rig.now)
     for _ in range(after):
         rig.step()
     began = len(rig.references)
@@ -193,7 +194,7 @@ def test_a_reference_that_breaks_a_limit_never_leaves_and_the_robot_brakes() -> 
         honest.time / 1.5, honest.position, honest.velocity * 1.5, honest.acceleration * 1.5**2
     )
     rig = Rig(period=0.004, smoothing_time=0.0)
-    rig.controller.follow(too_fast, 'fast', rig.now)
+    rig.controller.follow(FollowedMotion(too_fast, 'fast'), rig.now)
     rig.run()
     outcome = rig.controller.outcomes[0]
     assert not outcome.ok

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_core import load_robot_model
 from robots_planning import LinearJoint, LinearJointAxes
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
@@ -45,7 +46,7 @@ def test_references_stay_inside_limits_through_every_join(
     controller.speed.set_override(override)
     generator = planner(ROBOT)
     trajectory = generator.generate(start, goals[0])
-    controller.follow(trajectory, '0', 0.0)
+    controller.follow(FollowedMotion(trajectory, '0'), 0.0)
     now, references, joined = 0.0, [], 0
 
     def steps(count: int) -> None:
@@ -65,7 +66,7 @@ def test_references_stay_inside_limits_through_every_join(
             break
         q, q_dot, q_ddot = trajectory.sample(join_time)
         following = generator.generate_moving((q, q_dot, q_ddot), goal)
-        controller.follow(following, str(number), now, join_time=join_time)
+        controller.follow(FollowedMotion(following, str(number)), now, join_time=join_time)
         trajectory, joined = following, number
         # Until it has taken the place of the one before, progress counts on that one.
         steps(int(np.ceil(LEAD / (override * PERIOD))) + 100)

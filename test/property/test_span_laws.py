@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_controller.control.controller import Controller, ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.interpolator import Interpolator
 
 from .test_controller_laws import AXES, START, ruckig_move
@@ -35,7 +36,7 @@ def test_a_span_has_the_references_of_its_periods(
     trajectory = ruckig_move(START, np.array(target) + 0.05)
     ahead, stepped = (controller_at_start(period, smoothing, override) for _ in range(2))
     for controller in (ahead, stepped):
-        controller.follow(trajectory, 'motion', 0.0)
+        controller.follow(FollowedMotion(trajectory, 'motion'), 0.0)
     now, passed, before = 0.0, 0, stepped.reference
     for length in lengths:
         span = ahead.ahead(now, length)

@@ -9,6 +9,7 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_core import Pose, load_robot_model
@@ -76,7 +77,7 @@ def follow(robot: BaseRobotModel, zone: Zone, trajectory: Trajectory, *, late: b
     guard.close(())
     controller.step(0.0, q)
     borders, cap = speed.borders(trajectory), speed.cap(trajectory)
-    controller.follow(trajectory, 'motion', 0.0, cap=cap, borders=borders)
+    controller.follow(FollowedMotion(trajectory, 'motion', cap=cap, borders=borders), 0.0)
     closing = max(0, round((borders[0].start - 1.0) / PERIOD)) if borders and late else 0
     for step in range(round(trajectory.duration / PERIOD) + PATIENCE):
         if step == closing:

@@ -9,6 +9,7 @@ import pytest
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
@@ -41,7 +42,7 @@ class Rig:
             self.controller.step(self.now, self.q)
 
     def follow(self, id_: str, goal: np.ndarray = GOAL) -> None:
-        self.controller.follow(quintic(self.q, goal), id_, self.now)
+        self.controller.follow(FollowedMotion(quintic(self.q, goal), id_), self.now)
 
     def stream(self, id_: str, goal: np.ndarray) -> None:
         rest = np.zeros(2)
@@ -80,7 +81,7 @@ def test_a_motion_before_an_obstacle_goes_on_under_its_id_without_a_reset(rig: R
 
 def test_motions_that_wait_behind_it_are_blocked_with_it(rig: Rig) -> None:
     rig.follow('m')
-    rig.controller.follow(quintic(GOAL, START), 'n', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(GOAL, START), 'n'), rig.now)
     rig.step(100)
     rig.controller.stop_before_collision(rig.now)
     results = [rig.end(), rig.end()]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_core.errors import InvalidInputError, TrajectoryRefusedError
 from robots_planning.trajectory import Trajectory
 
@@ -42,7 +43,7 @@ def test_waits_for_feedback_before_it_sends_anything() -> None:
     assert controller.step(0.0, None) is None
     assert controller.state is ControllerState.WAITING
     with pytest.raises(TrajectoryRefusedError, match='no feedback'):
-        controller.follow(quintic(np.zeros(2), np.ones(2)), 'x', 0.0)
+        controller.follow(FollowedMotion(quintic(np.zeros(2), np.ones(2)), 'x'), 0.0)
 
 
 def test_stands_where_the_robot_stands() -> None:
@@ -53,7 +54,7 @@ def test_stands_where_the_robot_stands() -> None:
 
 
 def test_reports_the_end_with_planned_and_real_duration(controller: Controller) -> None:
-    controller.follow(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
+    controller.follow(FollowedMotion(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x'), 0.0)
     run_until_outcome(controller, 0.0)
     outcome = controller.outcomes[0]
     assert (outcome.id, outcome.ok, outcome.message) == ('x', True, 'reached')
@@ -64,13 +65,13 @@ def test_reports_the_end_with_planned_and_real_duration(controller: Controller) 
 
 def test_refuses_a_trajectory_that_starts_elsewhere(controller: Controller) -> None:
     with pytest.raises(TrajectoryRefusedError, match=r'starts \+0\.1 rad from where A2 stands'):
-        controller.follow(quintic(np.array([0.0, 0.1]), np.ones(2)), 'x', 0.0)
+        controller.follow(FollowedMotion(quintic(np.array([0.0, 0.1]), np.ones(2)), 'x'), 0.0)
 
 
 def test_refuses_another_number_of_axes(controller: Controller) -> None:
     zero = np.zeros((2, 3))
     with pytest.raises(TrajectoryRefusedError, match='has 3 axes, the robot has 2'):
-        controller.follow(Trajectory(np.array([0.0, 1.0]), zero, zero, zero), 'x', 0.0)
+        controller.follow(FollowedMotion(Trajectory(np.array([0.0, 1.0]), zero, zero, zero), 'x'), 0.0)
 
 
 def test_the_scaling_of_the_drives_counts_besides_the_override(controller: Controller) -> None:
@@ -92,7 +93,7 @@ def test_refuses_an_override_outside_its_range(controller: Controller, value: fl
 
 def test_says_which_axis_does_not_reach_its_target(controller: Controller) -> None:
     goal = np.array([0.3, 0.2])
-    controller.follow(quintic(np.zeros(2), goal), 'x', 0.0)
+    controller.follow(FollowedMotion(quintic(np.zeros(2), goal), 'x'), 0.0)
     run_until_outcome(controller, 0.0, lambda q: q + np.array([0.0, 1e-3]))
     outcome = controller.outcomes[0]
     assert not outcome.ok
@@ -100,7 +101,7 @@ def test_says_which_axis_does_not_reach_its_target(controller: Controller) -> No
 
 
 def test_says_which_axis_does_not_follow(controller: Controller) -> None:
-    controller.follow(quintic(np.zeros(2), np.array([1.0, 0.0])), 'x', 0.0)
+    controller.follow(FollowedMotion(quintic(np.zeros(2), np.array([1.0, 0.0])), 'x'), 0.0)
     run_until_outcome(controller, 0.0, lambda q: 0.3 * q)
     outcome = controller.outcomes[0]
     assert not outcome.ok
@@ -108,7 +109,7 @@ def test_says_which_axis_does_not_follow(controller: Controller) -> None:
 
 
 def test_takes_the_next_trajectory_after_feedback_was_lost_and_came_back(controller: Controller) -> None:
-    controller.follow(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
+    controller.follow(FollowedMotion(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x'), 0.0)
     now = 0.0
     while not controller.outcomes:
         now += 0.01
@@ -118,7 +119,7 @@ def test_takes_the_next_trajectory_after_feedback_was_lost_and_came_back(control
     assert reference is not None
     controller.step(now + 0.01, reference[0])
     controller.reset()
-    controller.follow(quintic(reference[0], np.zeros(2)), 'y', now)
+    controller.follow(FollowedMotion(quintic(reference[0], np.zeros(2)), 'y'), now)
     run_until_outcome(controller, now)
     assert controller.outcomes[0].ok
 

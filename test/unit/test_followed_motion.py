@@ -20,7 +20,7 @@ def capped(allowed: float) -> FollowedMotion:
     cap = PathSpeedCap.of(
         times, np.full(times.size - 1, allowed), tuple(derivatives), AXES.acceleration, RAMP
     )
-    return FollowedMotion(PATH, str(allowed), 0.0, cap)
+    return FollowedMotion(PATH, str(allowed), cap)
 
 
 def speed(motion: FollowedMotion, path_time: float) -> float:

@@ -7,6 +7,7 @@ import pytest
 
 from other_threads import repeating
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.motion_queue import LONGEST_QUEUE
 from robots_core.errors import TrajectoryRefusedError
 from robots_planning.trajectory import Trajectory
@@ -75,7 +76,7 @@ def test_queued_motions_follow_each_other_and_pass_every_target_exactly(controll
     targets = [CORNER, END, START]
     begin = START
     for number, target in enumerate(targets):
-        controller.follow(move(begin, target), str(number), 0.0)
+        controller.follow(FollowedMotion(move(begin, target), str(number)), 0.0)
         begin = target
     positions = run.until_holding()[:, 0]
     assert [(outcome.id, outcome.ok) for outcome in controller.outcomes] == [
@@ -92,23 +93,23 @@ def test_queued_motions_follow_each_other_and_pass_every_target_exactly(controll
 
 
 def test_a_motion_that_waits_must_start_at_the_end_of_the_one_before(controller: Controller) -> None:
-    controller.follow(move(START, CORNER), 'a', 0.0)
+    controller.follow(FollowedMotion(move(START, CORNER), 'a'), 0.0)
     with pytest.raises(TrajectoryRefusedError, match=r'starts -0.5 rad from where A1 ends with the motion'):
-        controller.follow(move(START, END), 'b', 0.0)
+        controller.follow(FollowedMotion(move(START, END), 'b'), 0.0)
 
 
 def test_a_motion_that_starts_with_a_velocity_needs_one_to_join(controller: Controller) -> None:
     moving = rest_of(move(START, CORNER), 4)
     with pytest.raises(TrajectoryRefusedError, match='starts with a velocity, but the robot will stand'):
-        controller.follow(moving, 'a', PERIOD)
+        controller.follow(FollowedMotion(moving, 'a'), PERIOD)
     with pytest.raises(TrajectoryRefusedError, match='but it stands: it came too late'):
-        controller.follow(moving, 'a', PERIOD, join_time=0.5)
+        controller.follow(FollowedMotion(moving, 'a'), PERIOD, join_time=0.5)
 
 
 def test_a_motion_must_go_on_from_the_running_one(controller: Controller) -> None:
-    controller.follow(move(START, CORNER), 'a', 0.0)
+    controller.follow(FollowedMotion(move(START, CORNER), 'a'), 0.0)
     with pytest.raises(TrajectoryRefusedError, match=r'does not go on from the running motion at 0\.900 s'):
-        controller.follow(rest_of(move(START, CORNER), 5), 'b', 0.0, join_time=0.9)
+        controller.follow(FollowedMotion(rest_of(move(START, CORNER), 5), 'b'), 0.0, join_time=0.9)
 
 
 @pytest.mark.parametrize('override', [1.0, 0.4])
@@ -119,11 +120,11 @@ def test_a_motion_that_joins_the_running_one_leaves_no_trace(override: float) ->
         controller = Controller(AXES, ControllerSettings(period=PERIOD))
         controller.step(0.0, START)
         controller.speed.set_override(override)
-        controller.follow(whole, 'a', 0.0)
+        controller.follow(FollowedMotion(whole, 'a'), 0.0)
         run = Run(controller)
         run.steps(10)
         if joined:
-            controller.follow(rest_of(whole, 5), 'b', run.now, join_time=float(whole.time[5]))
+            controller.follow(FollowedMotion(rest_of(whole, 5), 'b'), run.now, join_time=float(whole.time[5]))
         run.steps(40)
         controller.speed.set_override(1.0)  # the path speed changes across the joint as on one path
         runs.append(run.until_holding())
@@ -144,12 +145,12 @@ def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(over
         controller = Controller(AXES, ControllerSettings(period=PERIOD))
         controller.step(0.0, START)
         controller.speed.set_override(override)
-        controller.follow(whole, 'a', 0.0)
+        controller.follow(FollowedMotion(whole, 'a'), 0.0)
         run = Run(controller)
         run.steps(5)
         if carried:  # both come while the first is followed
-            controller.follow(middle, 'b', run.now, join_time=-middle.duration)
-            controller.follow(last, 'c', run.now, join_time=-last.duration)
+            controller.follow(FollowedMotion(middle, 'b'), run.now, join_time=-middle.duration)
+            controller.follow(FollowedMotion(last, 'c'), run.now, join_time=-last.duration)
         runs.append(run.until_holding())
     plain, continued_from = runs
     # The controller works in doubles on polynomials that are the same except for their time scale.
@@ -164,11 +165,11 @@ def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(over
 
 
 def test_a_motion_may_carry_on_one_that_still_waits(controller: Controller) -> None:
-    controller.follow(move(START, CORNER), 'a', 0.0)
+    controller.follow(FollowedMotion(move(START, CORNER), 'a'), 0.0)
     second = move(CORNER, END)
-    controller.follow(second, 'b', 0.0)
+    controller.follow(FollowedMotion(second, 'b'), 0.0)
     rest = rest_of(second, 5)
-    controller.follow(rest, 'c', 0.0, join_time=-rest.duration)
+    controller.follow(FollowedMotion(rest, 'c'), 0.0, join_time=-rest.duration)
     positions = Run(controller).until_holding()[:, 0]
     np.testing.assert_allclose(positions[-1], END, atol=1e-12)
     assert [(outcome.id, outcome.message) for outcome in controller.outcomes] == [
@@ -182,12 +183,12 @@ def test_a_motion_that_nothing_carries_on_in_time_ends_where_it_was_planned_to(
     controller: Controller,
 ) -> None:
     whole = move(START, CORNER)
-    controller.follow(whole, 'a', 0.0)
+    controller.follow(FollowedMotion(whole, 'a'), 0.0)
     run = Run(controller)
     run.steps(120)
     rest = rest_of(whole, 5)
     with pytest.raises(TrajectoryRefusedError, match='came too late'):
-        controller.follow(rest, 'b', run.now, join_time=-rest.duration)
+        controller.follow(FollowedMotion(rest, 'b'), run.now, join_time=-rest.duration)
     np.testing.assert_allclose(run.until_holding()[-1, 0], CORNER, atol=1e-12)
 
 
@@ -197,8 +198,8 @@ def test_a_stop_around_the_place_where_a_motion_is_carried_on_stays_on_the_path_
 ) -> None:
     whole = move(START, CORNER)
     rest = rest_of(whole, 5)
-    controller.follow(whole, 'a', 0.0)
-    controller.follow(rest, 'b', 0.0, join_time=-rest.duration)
+    controller.follow(FollowedMotion(whole, 'a'), 0.0)
+    controller.follow(FollowedMotion(rest, 'b'), 0.0, join_time=-rest.duration)
     run = Run(controller)
     run.steps(steps)
     controller.cancel('canceled by a person')
@@ -214,23 +215,23 @@ def test_a_stop_around_the_place_where_a_motion_is_carried_on_stays_on_the_path_
 
 def test_a_motion_that_comes_too_late_to_join_is_refused(controller: Controller) -> None:
     whole = move(START, CORNER)
-    controller.follow(whole, 'a', 0.0)
+    controller.follow(FollowedMotion(whole, 'a'), 0.0)
     run = Run(controller)
     run.steps(100)
     with pytest.raises(TrajectoryRefusedError, match='came too late'):
-        controller.follow(rest_of(whole, 5), 'b', run.now, join_time=float(whole.time[5]))
+        controller.follow(FollowedMotion(rest_of(whole, 5), 'b'), run.now, join_time=float(whole.time[5]))
     run.until_holding()
     assert [(outcome.id, outcome.ok) for outcome in controller.outcomes] == [('a', True)]
 
 
 def test_a_stop_gives_up_what_waits(controller: Controller) -> None:
     run = Run(controller)
-    controller.follow(move(START, CORNER), 'a', 0.0)
-    controller.follow(move(CORNER, END), 'b', 0.0)
+    controller.follow(FollowedMotion(move(START, CORNER), 'a'), 0.0)
+    controller.follow(FollowedMotion(move(CORNER, END), 'b'), 0.0)
     run.steps(30)
     controller.cancel('canceled by a person')
     with pytest.raises(TrajectoryRefusedError, match='still moving'):
-        controller.follow(move(END, START), 'c', run.now)
+        controller.follow(FollowedMotion(move(END, START), 'c'), run.now)
     run.until_holding()
     assert [(outcome.id, outcome.ok, outcome.message) for outcome in controller.outcomes] == [
         ('a', False, 'canceled by a person'),
@@ -239,12 +240,12 @@ def test_a_stop_gives_up_what_waits(controller: Controller) -> None:
 
 
 def test_the_queue_is_bounded(controller: Controller) -> None:
-    controller.follow(move(START, CORNER), 'first', 0.0)
+    controller.follow(FollowedMotion(move(START, CORNER), 'first'), 0.0)
     ends = [CORNER, END]
     for number in range(LONGEST_QUEUE):
-        controller.follow(move(ends[number % 2], ends[(number + 1) % 2]), str(number), 0.0)
+        controller.follow(FollowedMotion(move(ends[number % 2], ends[(number + 1) % 2]), str(number)), 0.0)
     with pytest.raises(TrajectoryRefusedError, match=f'{LONGEST_QUEUE} motions are waiting'):
-        controller.follow(move(CORNER, END), 'last', 0.0)
+        controller.follow(FollowedMotion(move(CORNER, END), 'last'), 0.0)
 
 
 def test_another_thread_may_look_at_the_motions_as_they_end(controller: Controller) -> None:
@@ -256,6 +257,6 @@ def test_another_thread_may_look_at_the_motions_as_they_end(controller: Controll
 
     with repeating(check):
         for begin, end in [(START, CORNER), (CORNER, START)] * 100:
-            controller.follow(move(begin, end), 'seen', run.now)
+            controller.follow(FollowedMotion(move(begin, end), 'seen'), run.now)
             run.until_holding()
             run.references.clear()

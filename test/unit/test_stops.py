@@ -12,6 +12,7 @@ import pytest
 from other_threads import repeating
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_controller.control.stops.stop_latch import StopLatch
 from robots_core.errors import NotNowError, RobotsError, TrajectoryRefusedError
@@ -48,7 +49,7 @@ class Rig:
             self.step(feedback, lost=lost)
 
     def move(self) -> None:
-        self.controller.follow(quintic(START, GOAL), 'm', self.now)
+        self.controller.follow(FollowedMotion(quintic(START, GOAL), 'm'), self.now)
         self.run(250)
         assert self.moving
 
@@ -94,10 +95,10 @@ def test_a_fault_stops_on_the_path_and_holds_the_robot_until_reset(rig: Rig, fau
     assert (state.fault, state.drives_on) == (fault, fault.category is StopCategory.TWO)
     assert rig.controller.state is ControllerState.STOPPED
     with pytest.raises(TrajectoryRefusedError, match=f'{fault.label}!; ~/reset'):
-        rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
+        rig.controller.follow(FollowedMotion(quintic(rig.q, START), 'n'), rig.now)
     rig.controller.reset()
     assert rig.controller.stops.state.drives_on
-    rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(rig.q, START), 'n'), rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -142,7 +143,7 @@ def test_a_person_stops_without_a_latch(rig: Rig) -> None:
     rig.controller.cancel('canceled by ~/cancel')
     rig.run_out()
     assert not rig.controller.stops.latched
-    rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(rig.q, START), 'n'), rig.now)
 
 
 def test_reset_waits_for_standstill_and_for_the_end_of_the_cause(rig: Rig) -> None:
@@ -181,7 +182,7 @@ def test_feedback_that_comes_back_elsewhere_moves_nothing_and_the_robot_goes_on_
     rig.controller.reset()
     rig.run(50)
     np.testing.assert_array_equal(rig.references[-1], away)
-    rig.controller.follow(quintic(away, GOAL), 'n', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(away, GOAL), 'n'), rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -209,7 +210,7 @@ def test_frozen_feedback_is_found_before_the_following_error(rig: Rig, looked_at
 @pytest.mark.parametrize('stands', [0.04, 0.09])
 def test_feedback_that_follows_late_is_not_frozen(rig: Rig, stands: float) -> None:
     rig.run(200)
-    rig.controller.follow(quintic(START, 0.1 * GOAL, duration=0.5), 'm', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(START, 0.1 * GOAL, duration=0.5), 'm'), rig.now)
     while np.abs(rig.references[-1]).max() < 0.02:
         rig.step(START)
     for _ in range(round(stands / PERIOD)):
@@ -220,7 +221,7 @@ def test_feedback_that_follows_late_is_not_frozen(rig: Rig, stands: float) -> No
 
 
 def test_an_axis_that_stands_while_others_move_is_not_frozen(rig: Rig) -> None:
-    rig.controller.follow(quintic(START, np.array([1.0, 0.0])), 'm', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(START, np.array([1.0, 0.0])), 'm'), rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -246,7 +247,7 @@ def test_a_robot_that_is_pushed_away_slowly_is_a_fault(rig: Rig) -> None:
 
 
 def test_a_reference_that_the_guard_refuses_is_latched(rig: Rig) -> None:
-    rig.controller.follow(quintic(START, GOAL, duration=0.5), 'm', rig.now)
+    rig.controller.follow(FollowedMotion(quintic(START, GOAL, duration=0.5), 'm'), rig.now)
     rig.run_out()
     assert rig.controller.stops.state.fault is Fault.REFERENCE_REFUSED
     assert 'refused by the limit guard' in rig.controller.outcomes[0].message

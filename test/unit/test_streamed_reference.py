@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, JointLimitError, TrajectoryRefusedError
 from robots_planning.trajectory import Trajectory
@@ -145,7 +146,9 @@ def test_a_stream_that_ends_at_rest_is_no_failure_and_a_motion_may_follow(rig: R
     start = rig.references[-1][0]
     np.testing.assert_allclose(start, [0.2, 0.1], atol=1e-9)
     zero = np.zeros((2, 2))
-    rig.controller.follow(Trajectory(np.array([0.0, 2.0]), np.array([start, ZERO]), zero, zero), 'm', rig.now)
+    rig.controller.follow(
+        FollowedMotion(Trajectory(np.array([0.0, 2.0]), np.array([start, ZERO]), zero, zero), 'm'), rig.now
+    )
     while not rig.controller.outcomes:
         rig.step()
     assert rig.controller.outcomes[0].ok
@@ -205,9 +208,9 @@ def test_a_motion_and_a_stream_exclude_each_other(rig: Rig) -> None:
     motion = Trajectory(np.array([0.0, 1.0]), np.array([ZERO, [0.3, 0.1]]), zero, zero)
     rig.send(np.array([0.1, 0.0]))
     with pytest.raises(TrajectoryRefusedError, match='still moving'):
-        rig.controller.follow(motion, 'm', rig.now)
+        rig.controller.follow(FollowedMotion(motion, 'm'), rig.now)
     other = Rig()
-    other.controller.follow(motion, 'm', other.now)
+    other.controller.follow(FollowedMotion(motion, 'm'), other.now)
     with pytest.raises(TrajectoryRefusedError, match='still moving'):
         other.send(np.array([0.1, 0.0]))
 

@@ -5,7 +5,6 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Literal, Protocol
 
@@ -48,15 +47,6 @@ class ControlPort(Protocol):
         """Motions of programs may continue, or wait until a person holds run; also at the start."""
 
 
-@dataclass(eq=False)
-class _ComingMotion:
-    trajectory: Trajectory
-    id: str
-    join_time: float
-    cap: PathSpeedCap | None
-    borders: tuple[Border, ...]
-
-
 class ControlLoop:
     """The controller with its mailbox, which is emptied once per period.
 
@@ -86,7 +76,7 @@ class ControlLoop:
         self._watchdog, self._processor_share = watchdog, processor_share
         self._mailbox: deque[Callable[[float], None]] = deque()
         self._came = threading.Event()
-        self._coming: list[_ComingMotion] = []  # in the mailbox
+        self._coming: list[FollowedMotion] = []  # in the mailbox
         self.cycle = 0
         """Number of the next cycle."""
         self.feedback_due = True
@@ -142,11 +132,10 @@ class ControlLoop:
         Raises:
             InvalidInputError: it is too long to be searched for the borders of zones, see `JointPath`.
         """
-        controller = self.controller
-        cap, borders = controller.speed.cap(trajectory), controller.speed.borders(trajectory)
-        motion = _ComingMotion(trajectory, id_, join_time, cap, borders)
+        speed = self.controller.speed
+        motion = FollowedMotion(trajectory, id_, speed.cap(trajectory), speed.borders(trajectory))
         self._coming.append(motion)
-        self._put(partial(self._follow, motion))
+        self._put(partial(self._follow, motion, join_time))
 
     def stream(self, point: StreamPoint, id_: str) -> None:
         """Follow a point of a stream, see `Controller.stream`."""
@@ -325,16 +314,9 @@ class ControlLoop:
             self._reported = progress
             self._port.progress(progress)
 
-    def _follow(self, motion: _ComingMotion, now: float) -> None:
+    def _follow(self, motion: FollowedMotion, join_time: float, now: float) -> None:
         try:
-            self.controller.follow(
-                motion.trajectory,
-                motion.id,
-                now,
-                join_time=motion.join_time,
-                cap=motion.cap,
-                borders=motion.borders,
-            )
+            self.controller.follow(motion, now, join_time=join_time)
         except RobotsError as error:
             self._port.result(MotionResult.refused(motion.id, error))
             return

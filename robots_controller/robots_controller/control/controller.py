@@ -15,7 +15,6 @@ from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_following import PathFollowing
 from robots_controller.control.span import Span
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.speed.speed_control import SpeedControl, refuse_closed
 from robots_controller.control.stops.brake import Brake
 from robots_controller.control.stops.faults import Fault, StopCategory
@@ -23,13 +22,11 @@ from robots_controller.control.stops.feedback_watch import FeedbackWatch, Findin
 from robots_controller.control.stops.limit_guard import LimitGuard
 from robots_controller.control.stops.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
-from robots_controller.control.zones.zone_border import Border
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 from robots_planning.commands.motion_results import BLOCKED, PASSED
-from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need
     from robots_controller.control.zones.zone_guard import ZoneGuard
@@ -129,25 +126,19 @@ class Controller:
 
     def follow(
         self,
-        trajectory: Trajectory,
-        id_: str,
+        motion: FollowedMotion,
         now: float,
         *,
         join_time: float = 0.0,
-        cap: PathSpeedCap | None = None,
-        borders: tuple[Border, ...] = (),
     ) -> None:
-        """Follow a trajectory: now, after those before it, or in the place of the running one.
+        """Follow a motion: now, after those before it, or in the place of the running one.
 
         Args:
-            trajectory: Starts at rest where the reference stands or where the last motion ends.
-            id_: Comes back in the outcome.
+            motion: Starts at rest where the reference stands or where the last motion ends.
             now: Time, s.
-            join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
-                and moving as that one does there, and takes its place. If below 0, it starts on the last
-                motion, so long before its end (s), and carries it on: that one ends there as passed.
-            cap: Of its path, see `SpeedControl.cap`.
-            borders: That it crosses, see `SpeedControl.borders`.
+            join_time: If above 0, the motion starts on the running one instead, at this path time (s) and
+                moving as that one does there, and takes its place. If below 0, it starts on the last motion,
+                so long before its end (s), and carries it on: that one ends there as passed.
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
@@ -155,19 +146,18 @@ class Controller:
                 it crosses a border that is always closed.
         """
         self._refuse_stopped()
-        if trajectory.num_axes != self._axes.num_axes:
-            raise TrajectoryRefusedError(
-                f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
-            )
+        n = motion.trajectory.num_axes
+        if n != self._axes.num_axes:
+            raise TrajectoryRefusedError(f'the trajectory has {n} axes, the robot has {self._axes.num_axes}')
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
-        refuse_closed(borders)
-        self.blocked.check(id_)
+        refuse_closed(motion.borders)
+        self.blocked.check(motion.id)
         standing = self._motion is None
         assert self.reference is not None
-        motion = FollowedMotion(trajectory, id_, now, cap, borders)
+        motion.start = now
         self._motions.put(motion, self.reference, join_time)
-        self.blocked.begin(id_)
+        self.blocked.begin(motion.id)
         if standing:
             self._following.begin(motion, self.speed.of_motion(motion, now))
 

@@ -23,7 +23,6 @@ class FollowedMotion:
     Args:
         trajectory: The path and its planned timing.
         id_: The command that asked for it.
-        now: Time of the start, s.
         cap: Highest speed on its path, in its place; None for its own.
         borders: Of zones, that it crosses, in the order of their zones.
     """
@@ -32,13 +31,13 @@ class FollowedMotion:
         self,
         trajectory: Trajectory,
         id_: str,
-        now: float,
         cap: PathSpeedCap | None = None,
         borders: tuple[Border, ...] = (),
     ) -> None:
         self.trajectory = trajectory
         self.id = id_
-        self.start = now
+        self.start = 0.0
+        """Time of the start, s."""
         self.cap = cap
         self.borders = borders
         self.held: PathSpeedCap | None = None

@@ -11,6 +11,7 @@ import numpy as np
 from limit_differences import broken_limits, limit_uses
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.stops.faults import Fault
@@ -173,7 +174,7 @@ def follow(motion: RandomMotion, robot: BaseRobotModel, trajectory: Trajectory) 
     controller = Controller(robot.axes_data, settings, speed=speed)
     now, q = 0.0, motion.start
     controller.step(now, q)
-    controller.follow(trajectory, 'motion', now, cap=controller.speed.cap(trajectory))
+    controller.follow(FollowedMotion(trajectory, 'motion', cap=controller.speed.cap(trajectory)), now)
     positions, events = [q, q, q], _events(motion, controller, trajectory.duration)
     deadline = LONGEST_WAIT + SLOWEST * trajectory.duration
     while not controller.outcomes:
