@@ -227,12 +227,12 @@ def _on_plan(
 
 
 def _progress_between(progress: Array, start: float, end: float, reached: float) -> tuple[Array, Array]:
-    """Times and done parts of a motion with this start and end, both included; `reached` is its last.
+    """Times and done parts of a motion, those of its start and its end included.
 
     Args:
-        progress: Time (s) and done part of the plan, (k, 2), of the whole recording.
-        start: Of the motion, s.
-        end: Of the motion, s.
+        progress: Time (s) and done part of the plan, (k, 2), of all motions.
+        start: Of this one, s.
+        end: Of this one, s.
         reached: Its last done part.
     """
     times, parts = progress[slice(*np.searchsorted(progress[:, 0], (start, end)))].T

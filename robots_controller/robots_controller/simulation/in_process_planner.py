@@ -15,6 +15,7 @@ from robots_controller.program.motions.modal_settings import PLANNING_NODE, moti
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.record.ros_messages import id_of
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
@@ -96,8 +97,7 @@ class InProcessPlanner:
     def next_id(self) -> str:
         """See `PlannerPort`; unique even while time stands still."""
         self._last_id = max(self._clock.stamp, self._last_id + 1)
-        seconds, nanoseconds = divmod(self._last_id, 1_000_000_000)
-        return f'{seconds}.{nanoseconds:09d}'
+        return id_of(self._last_id)
 
     def command(self, id_: str, command: MotionCommand) -> None:
         """See `PlannerPort`."""
