@@ -27,7 +27,7 @@ class LinearJoint(JointSpaceGenerator):
         # The path coordinate is the longest displacement, so that short moves keep their precision.
         longest = np.abs(target - start).max()
         direction = (target - start) / longest
-        with np.errstate(divide='ignore'):
+        with np.errstate(divide='ignore', over='ignore'):
             limits, allowed = (
                 (values / np.abs(direction)).min(axis=1, keepdims=True)
                 for values in (self._limits, self._allowed)
