@@ -20,21 +20,17 @@ class PageArrays:
     """Collects arrays; each is referred to by its number."""
 
     def __init__(self) -> None:
-        self._items: list[dict[str, str]] = []
-        self._known: dict[tuple[str, bytes], int] = {}
-
-    @property
-    def items(self) -> list[dict[str, str]]:
+        self.items: list[dict[str, str]] = []
         """All arrays: type and little-endian bytes in base64."""
-        return self._items
+        self._known: dict[tuple[str, bytes], int] = {}
 
     def add(self, values: ArrayLike, kind: str = 'f4') -> int:
         """Number of an array; one that is known already is not stored twice."""
         data = np.ascontiguousarray(values, dtype=TYPES[kind]).tobytes()
         key = kind, data
         if key not in self._known:
-            self._known[key] = len(self._items)
-            self._items.append({'type': kind, 'data': base64.b64encode(data).decode()})
+            self._known[key] = len(self.items)
+            self.items.append({'type': kind, 'data': base64.b64encode(data).decode()})
         return self._known[key]
 
 
