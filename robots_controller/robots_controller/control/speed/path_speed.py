@@ -1,9 +1,8 @@
 """PathSpeed: how fast the path time runs, for override, pause and stop on the path."""
 
-from typing import Protocol
-
 import numpy as np
 
+from robots_controller.control.followed_motion import FollowedMotion
 from robots_core.validation import Array, positive
 
 # Halvings of a change of speed that the limits do not allow; 2^-10 of it is below what matters.
@@ -12,18 +11,6 @@ BISECTIONS = 10
 ROUNDING = 1e-8
 # Of the planned speed; slower, and late on a long path, the path time of a period may be lost in rounding.
 SLOWEST = 1e-4
-
-
-class TimedPath(Protocol):
-    """A path by its time."""
-
-    def position(self, s: float, /) -> Array:
-        """Joint positions (n,) at a path time, s; standing before the start and after the end."""
-        ...
-
-    def sample(self, s: float, /) -> Array:
-        """Joint positions and their first two derivatives by path time, (3, n)."""
-        ...
 
 
 class PathSpeed:
@@ -83,7 +70,7 @@ class PathSpeed:
         """Periods at an even speed have passed."""
         self._gain = 0.0
 
-    def step(self, target: float, path_time: float, path: TimedPath) -> float:
+    def step(self, target: float, path_time: float, path: FollowedMotion) -> float:
         """Move on for one period, with the speed on its way to `target`.
 
         Args:
@@ -125,7 +112,7 @@ class PathSpeed:
         beyond = wanted > room
         return gain * float((room[beyond] / wanted[beyond]).min(initial=1.0))
 
-    def _allowed(self, change: float, path_time: float, path: TimedPath) -> float:
+    def _allowed(self, change: float, path_time: float, path: FollowedMotion) -> float:
         """The part of `change` that keeps the acceleration limits."""
         rest = path.position(path_time - self._advance) - 2.0 * path.position(path_time)
 
