@@ -124,13 +124,7 @@ class Controller:
         """The motion that is followed and those after it; from any thread."""
         return self._motions.all
 
-    def follow(
-        self,
-        motion: FollowedMotion,
-        now: float,
-        *,
-        join_time: float = 0.0,
-    ) -> None:
+    def follow(self, motion: FollowedMotion, now: float, *, join_time: float = 0.0) -> None:
         """Follow a motion: now, after those before it, or in the place of the running one.
 
         Args:
@@ -224,9 +218,10 @@ class Controller:
         if not self.stops.trip(fault, reason, stands=stands):
             return
         self.cancel(reason)
-        self._following.set_fast_stop(on=fault.category < StopCategory.TWO)
-        if fault.category is StopCategory.ZERO:
-            self._let_go(now, reason)
+        self._following.fast_stop = fault.category < StopCategory.TWO
+        if fault.category is StopCategory.ZERO:  # the drives are switched off at once
+            self.stops.stands()
+            self._end_moving(now, reason)
 
     def check_reset(self, excluding: Fault | None = None) -> None:
         """Check that the robot stands and nothing is there any more that stopped it.
@@ -251,7 +246,7 @@ class Controller:
         """
         self.check_reset()
         self.stops.reset()
-        self._following.set_fast_stop(on=False)
+        self._following.fast_stop = False
 
     def step(self, now: float, feedback: Array | None) -> Array | None:
         """One period: returns the next reference.
@@ -279,7 +274,9 @@ class Controller:
         elif self._motion is not None:
             self._step_motion(self._motion, now)
         if self.stops.latched and self.standing:
-            self._stay_stopped(feedback)
+            if not self.stops.state.drives_on and feedback is not None:
+                self._stand_at(feedback)
+            self.stops.stands()
         return self.reference
 
     def ahead(self, now: float, periods: int) -> Span:
@@ -335,20 +332,6 @@ class Controller:
     def standing(self) -> bool:
         """Nothing moves the robot: no motion, no stream, no brake."""
         return self._motion is None and self._brake is None and not self._stream.active
-
-    def _stay_stopped(self, feedback: Array | None) -> None:
-        """Switch the drives off if the fault says so; from then on the reference follows the feedback."""
-        if not self.stops.state.drives_on and feedback is not None:
-            self._stand_at(feedback)
-        self.stops.stands()
-
-    def _let_go(self, now: float, reason: str) -> None:
-        """Give the motion up at once: the drives are switched off."""
-        self.stops.stands()
-        assert self.reference is not None
-        self._brake = None
-        self._stand_at(self.reference[0])
-        self._end_moving(now, reason)
 
     def _stand_at(self, position: Array) -> None:
         self.reference = self._following.stand_at(position)
@@ -433,13 +416,14 @@ class Controller:
         brake = self._brake
         assert brake is not None
         self.reference, standing = brake.step()
-        if not standing:
-            return
-        self._brake = None
-        self._stand_at(self.reference[0])
-        self._end_moving(now, brake.reason)
+        if standing:
+            self._end_moving(now, brake.reason)
 
     def _end_moving(self, now: float, reason: str) -> None:
+        """Stand where the reference is, and give up what has moved the robot."""
+        assert self.reference is not None
+        self._brake = None
+        self._stand_at(self.reference[0])
         if self._stream.active:
             self._end_stream(now, reason)
         if self._motion is not None:

@@ -28,16 +28,13 @@ class PathFollowing:
         self._speed = PathSpeed(axes.acceleration, period=settings.period, ramp_time=settings.ramp_time)
         self._sample = np.zeros((3, axes.num_axes))
         self._unchanged = 0
-        self._fast_stop = False
+        self.fast_stop = False
+        """Change the speed as fast as the limits permit, whatever the ramp time."""
 
     @property
     def standing(self) -> bool:
         """The reference has come to rest: all samples of the average are the same."""
         return self._unchanged >= self._average.window
-
-    def set_fast_stop(self, *, on: bool) -> None:
-        """Change the speed as fast as the limits permit, whatever the ramp time."""
-        self._fast_stop = on
 
     def stand_at(self, position: Array) -> Array:
         """Stand at joint positions (n,); returns the reference, (3, n)."""
@@ -59,7 +56,7 @@ class PathFollowing:
         """
         # A border that has just been closed may be nearer than the ramp takes.
         late = motion.held is not None and self._speed.speed > motion.held.here(motion.path_time) + LATE
-        self._speed.fast_stop = self._fast_stop or late
+        self._speed.fast_stop = self.fast_stop or late
         moved = self._advance(motion, self._capped(motion, speed))
         self._unchanged = 0 if moved else self._unchanged + 1
         return self._average.push(self._sample)
