@@ -77,9 +77,7 @@ class InProcessCell:
         )
         self._mail: Mail = Mail()
         self.controller: Controller = parts.controller
-        self.control = InProcessController(
-            parts.controller, parts.period, mail=self._mail, clock=self.clock, log=self.log
-        )
+        self.control = InProcessController(parts.controller, mail=self._mail, clock=self.clock, log=self.log)
         loop = self.control.loop
         link = InProcessPlanner(
             parts.planning,

@@ -24,16 +24,14 @@ class InProcessController:
 
     Args:
         controller: The controller.
-        period: Its period, s.
         mail: Carries the messages.
         clock: Simulated time.
         log: Gets the messages.
     """
 
-    def __init__(
-        self, controller: Controller, period: float, *, mail: Mail, clock: SimulatedClock, log: CellLog
-    ) -> None:
+    def __init__(self, controller: Controller, *, mail: Mail, clock: SimulatedClock, log: CellLog) -> None:
         self.controller = controller
+        period = controller.settings.period
         self._period_ns = round(period * NANOSECONDS)
         self._mail, self._clock, self._log = mail, clock, log
         self.rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
