@@ -4,7 +4,7 @@ from typing import Protocol
 
 from robots_controller.program.clock import Clock, WallClock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_robot import ProgramRobot, UnknownRobot
+from robots_controller.program.program_robot import ProgramRobot
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
 from robots_planning.motion_settings import NOTHING
@@ -90,7 +90,7 @@ class DetachedCell(CellPort):
 
     def __init__(self) -> None:
         self._clock = WallClock()
-        self.robot: ProgramRobot = UnknownRobot()
+        self.robot = ProgramRobot()
 
     @property
     def clock(self) -> Clock:
