@@ -12,6 +12,7 @@ from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
+from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_planning import MotionSettings, PathPlanning, verify
 from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
@@ -88,3 +89,8 @@ def test_chains_keep_torque_limits_with_the_payload(robot: BaseRobotModel) -> No
 def test_numbers_of_no_payload_are_refused(values: tuple[float, ...]) -> None:
     with pytest.raises(InvalidInputError):
         MotionSettings(payload=values)
+
+
+def test_a_wrapped_robot_has_all_that_its_robot_has() -> None:
+    members = {name for name in vars(BaseRobotModel) if not name.startswith('_')}
+    assert members - set(vars(WrappedRobot)) == {'num_axes'}  # which is that of the axes' data

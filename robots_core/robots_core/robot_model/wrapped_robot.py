@@ -32,6 +32,7 @@ class WrappedRobot(BaseRobotModel):
     description = _as_the_robot_has('description')
     home = _as_the_robot_has('home')
     orientation_convention = _as_the_robot_has('orientation_convention')
+    base_link = _as_the_robot_has('base_link')
     direct_kinematics = _as_the_robot_has('direct_kinematics')
     tool_poses = _as_the_robot_has('tool_poses')
     jacobian = _as_the_robot_has('jacobian')
