@@ -50,10 +50,17 @@ class ReferenceCheck:
         self._mean: Array | None = None  # velocity up to the last reference; None if it is not known
         self._span = period  # s, that this is the mean of
 
-    def begin(self, now: float, q: Array, q_dot: Array, stamp: float) -> None:
-        """Take the first reference after a standstill; as for `problem`."""
+    def begin(self, now: float, q: Array, mean: Array, stamp: float) -> None:
+        """Take a reference without regard to those before it; as for `problem`.
+
+        Args:
+            now: Time, s.
+            q: Reference positions, (n,), rad (m).
+            mean: Mean velocity in the period before, (n,), rad/s (m/s).
+            stamp: When the reference was due, s.
+        """
         self._take(now, q, stamp)
-        self._mean, self._span = q_dot, self._period
+        self._mean, self._span = mean, self._period
 
     def forget(self) -> None:
         """The next reference may have any velocity within the limits."""
@@ -69,22 +76,6 @@ class ReferenceCheck:
         else:
             self._mean = (q - self.last) / self._span
         self._take(now, q, stamp)
-
-    def pass_over(self, now: float, q: Array, mean: Array) -> None:
-        """References have followed each other without problems, one in each period.
-
-        Args:
-            now: Time and stamp of the last one, s.
-            q: The last one, (n,), rad (m).
-            mean: Mean velocity in its period, (n,), rad/s (m/s).
-        """
-        self._take(now, q, now)
-        self._mean, self._span = mean, self._period
-
-    def stood(self, now: float, stamp: float) -> None:
-        """The last reference was sent again, after any time: it has stood until then; as for `problem`."""
-        self._take(now, self.last, stamp)
-        self._mean, self._span = self._still, self._period
 
     def problem(self, now: float, q: Array, q_dot: Array, stamp: float, sender_period: float = 0.0) -> str:
         """Why the axes could not follow, for a person; '' if they can.

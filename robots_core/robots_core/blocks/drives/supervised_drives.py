@@ -165,7 +165,7 @@ class SupervisedDrives:
         If it still stands, the newer one is judged by its stamp.
         """
         if self._reference_stands and not q_dot.any() and np.array_equal(q, self._target):
-            self._check.stood(now, stamp)
+            self._check.begin(now, self._check.last, q_dot, stamp)
 
     def ahead(self, references: Array) -> int:
         """How many of the next references are followed as they come.
@@ -189,7 +189,7 @@ class SupervisedDrives:
             self._q = references[-2, 0]
         self._target, self._target_dot = references[-1, 0].copy(), references[-1, 1].copy()
         self._move(self._target, self._target_dot)
-        self._check.pass_over(now, self._q, self._mean)
+        self._check.begin(now, self._q, self._mean, now)
 
     # -- which references ------------------------------------------------------------------------------
 
