@@ -64,9 +64,9 @@ class DriveTrain(ABC):
             if len(state) > 2:
                 state[2] = self.torque
 
-    @abstractmethod
     def rest(self) -> None:
         """Stand still where the axes are: brakes hold them."""
+        self.velocity = np.zeros_like(self.position)
 
     def hold(self) -> tuple[Array, Array]:
         """Stand still for one period, held by the brakes; returns positions and velocities (n,)."""
@@ -126,10 +126,6 @@ class IdealDrive(DriveTrain):
         )
         return self.position, self.velocity
 
-    def rest(self) -> None:
-        """See `DriveTrain.rest`."""
-        self.velocity = np.zeros_like(self.position)
-
 
 class SecondOrderDrive(DriveTrain):
     """Drives that follow their reference as a second-order lag, each axis on its own.
@@ -176,10 +172,6 @@ class SecondOrderDrive(DriveTrain):
         kernel = import_module('robots_core.blocks.drives.second_order_kernel')
         kernel.follow(self._transition, self.position.copy(), self.velocity.copy(), references, states)
         self.position, self.velocity = states[-1].copy()
-
-    def rest(self) -> None:
-        """See `DriveTrain.rest`."""
-        self.velocity = np.zeros_like(self.position)
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:

@@ -75,4 +75,5 @@ class DriverDrives(DriveTrain):
 
     def rest(self) -> None:
         """See `DriveTrain`."""
-        self.velocity, self.command = np.zeros_like(self.velocity), None
+        super().rest()
+        self.command = None
