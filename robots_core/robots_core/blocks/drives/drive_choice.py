@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -55,11 +54,10 @@ def drive_train(
     """
     check_level(level)
     if orbit:
-        floating_drive: Callable[..., DriveTrain] = import_module(
-            'robots_core.blocks.drives.floating_drive'
-        ).floating_drive
-        joints = partial(
-            drive_train,
+        # Imported on demand: a robot that stands needs no bodies in orbit.
+        floating = import_module('robots_core.blocks.drives.floating_drive')
+        bodies = floating.bodies_in_orbit(orbit, robot, q, period=period, payload=payload)
+        joints = drive_train(
             level,
             robot,
             q,
@@ -68,8 +66,10 @@ def drive_train(
             damping=damping,
             payload=payload,
             feed_forward=feed_forward,
+            base=bodies.base,
         )
-        return floating_drive(lambda base: joints(base=base), robot, q, orbit, period=period, payload=payload)
+        drives: DriveTrain = floating.FloatingDrive(joints, bodies)
+        return drives
     if level == 'ideal':
         return IdealDrive(q, period=period)
     if level == 'second_order':

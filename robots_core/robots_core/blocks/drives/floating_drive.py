@@ -1,13 +1,11 @@
 """FloatingDrive: drives of an arm whose base floats."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.drives.drive_train import DriveTrain
-from robots_core.blocks.floating_base.floating_base import FloatingBase
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.floating_base.rendezvous import Rendezvous
 from robots_core.blocks.multibody.payload import Payload
@@ -67,25 +65,8 @@ class FloatingDrive(DriveTrain):
         return q, q_dot
 
 
-def floating_drive(
-    joints: Callable[[FloatingBase], DriveTrain],
-    robot: BaseRobotModel,
-    q: ArrayLike,
-    orbit: Path | str,
-    *,
-    period: float,
-    payload: Payload,
-) -> FloatingDrive:
-    """Drives of the joints and the bodies of an orbit's file.
-
-    Args:
-        joints: Makes the drives of the joints of an arm on this base.
-        robot: The robot.
-        q: Joint positions at the start, (n,), rad (m), at rest.
-        orbit: YAML, see `read_orbit`.
-        period: Time of one step, s.
-        payload: Payload on tool0.
-    """
-    start = np.array(q, dtype=np.float64)
-    bodies = Rendezvous(robot, start, read_orbit(orbit), period=period, payload=payload)
-    return FloatingDrive(joints(bodies.base), bodies)
+def bodies_in_orbit(
+    orbit: Path | str, robot: BaseRobotModel, q: ArrayLike, *, period: float, payload: Payload
+) -> Rendezvous:
+    """The bodies of an orbit's file (YAML, see `read_orbit`), and a robot at rest at `q`, (n,), rad (m)."""
+    return Rendezvous(robot, np.array(q, dtype=np.float64), read_orbit(orbit), period=period, payload=payload)
