@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
 import numpy as np
 
@@ -11,15 +11,13 @@ from robots_core.errors import RobotsError
 from robots_core.files.content_cache import Arrays, content_of, kept
 from robots_core.files.user_file import MAX_MESH, read_bytes
 from robots_core.pose import Pose
-from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Shape, Sphere
+from robots_core.robot_model.shapes import Geometry, Mesh, Shape
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 
 _MESH: Final = re.compile(r'<mesh\s[^>]*?filename\s*=\s*"([^"]+)"')
 _ALONE: Final = ('.stl', '.dae', '.obj', '.ply')
 """Formats whose triangles are all in the file that the URDF names."""
-_ROUND: Final[dict[str, type[Cylinder | Capsule | Sphere]]] = {
-    kind.__name__: kind for kind in (Cylinder, Capsule, Sphere)
-}
+_KINDS: Final[dict[str, Callable[..., Geometry]]] = {kind.__name__: kind for kind in get_args(Geometry)}
 
 
 def kept_shapes(xml: str, read: Callable[[], tuple[Shape, ...]], *options: object) -> tuple[Shape, ...]:
@@ -36,7 +34,7 @@ def kept_shapes(xml: str, read: Callable[[], tuple[Shape, ...]], *options: objec
         contents = []
     if not contents:
         return read()
-    arrays = kept('shapes', content_of((xml, options, *contents)), lambda: _arrays_of(read()))
+    arrays = kept('geometries', content_of((xml, options, *contents)), lambda: _arrays_of(read()))
     return tuple(_shape(arrays, index) for index in range(len(arrays['frames'])))
 
 
@@ -58,13 +56,7 @@ def _arrays_of(shapes: tuple[Shape, ...]) -> Arrays:
         'colours': np.array([shape.colour for shape in shapes]),
     }
     for index, shape in enumerate(shapes):
-        match shape.geometry:
-            case Mesh(vertices, faces):
-                arrays |= {f'{index}.vertices': vertices, f'{index}.faces': faces}
-            case Box(size):
-                arrays[f'{index}'] = np.array(size)
-            case other:
-                arrays[f'{index}'] = np.array([*vars(other).values()])
+        arrays |= {f'{index}.{name}': np.array(value) for name, value in vars(shape.geometry).items()}
     return arrays
 
 
@@ -81,10 +73,7 @@ def _shape(arrays: Arrays, index: int) -> Shape:
 
 def _geometry(arrays: Arrays, index: int) -> Geometry:
     kind = str(arrays['kinds'][index])
+    values = {key.partition('.')[2]: arrays[key] for key in arrays if key.startswith(f'{index}.')}
     if kind == Mesh.__name__:
-        return Mesh(arrays[f'{index}.vertices'], arrays[f'{index}.faces'])
-    numbers = arrays[f'{index}'].tolist()
-    if kind == Box.__name__:
-        x, y, z = numbers
-        return Box((x, y, z))
-    return _ROUND[kind](*numbers)
+        return Mesh(**values)
+    return _KINDS[kind](**{name: tuple(v.tolist()) if v.ndim else v.item() for name, v in values.items()})
