@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.inverse_kinematics.ik_result import IkResult
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -70,9 +71,7 @@ def weights_of(hold: str) -> tuple[float, float]:
 
 def turns_in_place(robot: BaseRobotModel, q: Array, tool: Pose | None = None) -> Array:
     """Directions, as columns (3, k) in the base frame, about which an arm at `q` can turn a tool in place."""
-    J = np.array(robot.jacobian(q))
-    if tool is not None:
-        J[:3] += np.cross(J[3:], robot.direct_kinematics(q)[1] @ tool.r, axisa=0, axisc=0)
+    J = DirectKinematics(robot, tool=tool).jacobian(q)
     _, values, rows = np.linalg.svd(J[:3])
     turning = J[3:] @ rows[int((values > SMALLEST * values[0]).sum()) :].T
     if not turning.size:
@@ -86,8 +85,7 @@ def held_angle(robot: BaseRobotModel, q: Array, tool: Pose, target: Pose, hold: 
     """Angle of a tool at `q` (n,) to its target, rad, in the directions that are held."""
     if hold == POSITION:
         return 0.0
-    here = Pose(*robot.direct_kinematics(q)) @ tool
-    turn = here.error_to(target)[3:]
+    turn = DirectKinematics(robot, tool=tool).forward(q).error_to(target)[3:]
     if hold == DIRECTIONS:
         turn = turns_in_place(robot, q, tool).T @ turn
     return float(np.linalg.norm(turn))

@@ -8,6 +8,7 @@ import numpy as np
 from lxml import etree
 
 from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.urdf.urdf_tree import link_of
 from robots_core.validation import Array
 
 SLENDERNESS: Final = 0.05  # radius of the bodies, of the length of all links together
@@ -26,7 +27,7 @@ def simple_body(root: etree._Element, link: str) -> etree._Element:
     Raises:
         UnknownRobotError: an `<origin>` that is no three numbers.
     """
-    carried = [_offset(joint) for joint in root.findall('joint') if _parent(joint) == link]
+    carried = [_offset(joint) for joint in root.findall('joint') if link_of(joint, 'parent') == link]
     end = max(carried, key=_length, default=np.zeros(3))
     radius = max(
         SLENDERNESS * sum(_length(_offset(joint)) for joint in root.findall('joint')), SMALLEST_RADIUS
@@ -51,11 +52,6 @@ def replace_shape(element: etree._Element, other: etree._Element) -> None:
             element.remove(part)
         for part in other.findall(tag):
             element.append(copy.deepcopy(part))
-
-
-def _parent(joint: etree._Element) -> str | None:
-    parent = joint.find('parent')
-    return None if parent is None else parent.get('link')
 
 
 def _offset(joint: etree._Element) -> Array:
