@@ -118,47 +118,40 @@ def _poses_in_chain(
 
 def _solid_arrays(solids: Sequence[Solid], frames: Indices, R: Array, t: Array) -> SolidArrays:
     # Array shapes are stated explicitly, for robots without solids.
-    vertices: list[Array] = []
-    rows: list[tuple[float, float, float, int]] = []
-    centres: list[Array] = []
-    radii: list[float] = []
-    sizes: list[int] = []
-    for index, solid in enumerate(solids):
-        core, disc, half, radius = solid.core
-        if solid.convex:
-            low, high = solid.bounds
-            corners, balls = [core], [(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))]
-        else:
-            corners = list(solid.triangles)
-            balls = [
-                (middle, float(np.linalg.norm(triangle - middle, axis=1).max()))
-                for triangle, middle in zip(corners, solid.triangles.mean(axis=1), strict=True)
-            ]
-        vertices += corners
-        rows += [(disc, half, radius, index)] * len(corners)
-        centres += [centre for centre, _ in balls]
-        radii += [ball for _, ball in balls]
-        sizes.append(len(corners))
+    parts = [[solid.core[0]] if solid.convex else list(solid.triangles) for solid in solids]
+    vertices, sizes = [part for own in parts for part in own], [len(own) for own in parts]
+    balls = [_ball(solid, part) for solid, own in zip(solids, parts, strict=True) for part in own]
     bounds = np.array([solid.bounds for solid in solids]).reshape(-1, 2, 3)
-    parts: PartArrays = (
+    rounded = np.array([solid.core[1:] for solid in solids]).reshape(-1, 3).repeat(sizes, axis=0)
+    disc, half, radius = np.ascontiguousarray(rounded.T)
+    part_arrays: PartArrays = (
         np.concatenate([np.empty((0, 3)), *vertices]),
-        _offsets([len(corners) for corners in vertices]),
-        np.array([row[0] for row in rows]),
-        np.array([row[1] for row in rows]),
-        np.array([row[2] for row in rows]),
-        np.array([row[3] for row in rows], dtype=np.int64),
+        _offsets([len(part) for part in vertices]),
+        disc,
+        half,
+        radius,
+        np.arange(len(solids)).repeat(sizes),
     )
     return (
-        parts,
+        part_arrays,
         _offsets(sizes),
-        np.array(centres).reshape(-1, 3),
-        np.array(radii),
+        np.array([centre for centre, _ in balls]).reshape(-1, 3),
+        np.array([ball for _, ball in balls]),
         0.5 * (bounds[:, 0] + bounds[:, 1]),
         0.5 * (bounds[:, 1] - bounds[:, 0]),
         frames,
         R,
         t,
     )
+
+
+def _ball(solid: Solid, vertices: Array) -> tuple[Array, float]:
+    """A ball around a part of a solid, in the solid's frame."""
+    if solid.convex:
+        low, high = solid.bounds
+        return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+    middle = vertices.mean(axis=0)
+    return middle, float(np.linalg.norm(vertices - middle, axis=1).max())
 
 
 def _offsets(sizes: Sequence[int]) -> Indices:
