@@ -169,7 +169,7 @@ class CollisionDetection:
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
-        found = {self._names(pair) for pair in self._close(q, 0.0) if self._touches(pair)}
+        found = {self.names(pair) for pair in self._close(q, 0.0) if self._touches(pair)}
         return tuple(sorted(found))
 
     def distance(self, q: ArrayLike) -> Proximity | None:
@@ -196,7 +196,7 @@ class CollisionDetection:
         """
         best: dict[tuple[str, str], Proximity] = {}
         for pair in self._close(q, positive(limit, 'limit', 'm')):
-            found, names = self._proximity(int(pair)), self._names(pair)
+            found, names = self._proximity(int(pair)), self.names(pair)
             if found.distance <= limit and (names not in best or found.distance < best[names].distance):
                 best[names] = found
         return tuple(sorted(best.values(), key=lambda item: item.distance))
@@ -272,8 +272,9 @@ class CollisionDetection:
         return self._proximity(pair)
 
     def names(self, pair: int) -> tuple[str, str]:
-        """Names of a pair of the certificate, that moved by more axes first."""
-        return self._names(pair)
+        """Names of a pair, that moved by more axes first."""
+        solids = self._set.solids
+        return solids[self._set.second[pair]].name, solids[self._set.first[pair]].name
 
     def _margins(self, q: Array, margin: float) -> Array:
         """Distances that pairs keep on a path from `q`, (p,) m: those that are closer there may separate."""
@@ -327,11 +328,6 @@ class CollisionDetection:
         close: Indices = np.flatnonzero(self._set.broad_distances(limit) <= limit)
         return close
 
-    def _names(self, pair: int) -> tuple[str, str]:
-        """Names of a pair, that moved by more axes first."""
-        solids = self._set.solids
-        return solids[self._set.second[pair]].name, solids[self._set.first[pair]].name
-
     def _touches(self, pair: int) -> bool:
         i, j = int(self._set.first[pair]), int(self._set.second[pair])
         return self._engine.in_contact(i, j) or self._enclosed(i, j)
@@ -353,7 +349,7 @@ class CollisionDetection:
 
     def _proximity(self, pair: int) -> Proximity:
         i, j = int(self._set.first[pair]), int(self._set.second[pair])
-        names = self._names(pair)
+        names = self.names(pair)
         if self._enclosed(i, j):
             point = read_only(self._set.t[j])
             return Proximity(*names, 0.0, point, point)
