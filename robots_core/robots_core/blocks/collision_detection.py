@@ -257,7 +257,6 @@ class CollisionDetection:
         """
         q = finite_vector(start, self.robot.num_axes, 'start')
         kept = self._margins(q, margin) + RESOLUTION + ROUNDING
-        self._set.place(q)
         at_start = self._set.distances(np.arange(kept.size), kept)
         # Those that are just above the margin may stay so.
         close = at_start <= kept
@@ -337,11 +336,7 @@ class CollisionDetection:
         for outer, inner in ((i, j), (j, i)):
             if not self._surfaces[outer]:
                 continue
-            solid = self._set.solids[inner]
-            core = solid.core[0]
-            point = core[0] if len(core) else np.zeros(3)
-            inside = self._set.R[inner] @ point + self._set.t[inner]
-            local = self._set.R[outer].T @ (inside - self._set.t[outer])
+            local = self._set.R[outer].T @ (self._set.inside[inner] - self._set.t[outer])
             low, high = self._set.solids[outer].bounds
             if ((local > low) & (local < high)).all() and self._set.solids[outer].encloses(local):
                 return True

@@ -99,7 +99,9 @@ class Visualizer:
             '/tool', axes_length=1.5 * size, axes_radius=0.06 * size, origin_radius=0.1 * size
         )
         self._trace = ToolTrace(self._server, '/tool_path')
-        self._add_shapes(robot.visualization.shapes)
+        for shape in robot.visualization.shapes:
+            parent = self._frames[shape.frame].name
+            self._add_solid(f'{parent}/{shape.name}', shape.geometry, shape.colour, shape.pose)
         self._collision = self._add_collision_shapes(robot.collision_model.shapes)
         self._scene: list[viser.MeshHandle] = []
         self._ghost: list[viser.FrameHandle] = []
@@ -240,12 +242,6 @@ class Visualizer:
         scene.world_axes.visible = True
         scene.world_axes.axes_length, scene.world_axes.axes_radius = 0.12 * size, 0.003 * size
         scene.configure_default_lights(enabled=True, cast_shadow=True)
-
-    def _add_shapes(self, shapes: Sequence[Shape]) -> None:
-        for shape in shapes:
-            self._add_solid(
-                f'{self._frames[shape.frame].name}/{shape.name}', shape.geometry, shape.colour, shape.pose
-            )
 
     def _add_solid(
         self, name: str, geometry: Geometry, colour: tuple[float, float, float, float], pose: Pose

@@ -13,7 +13,6 @@ from robots_core.files.content_cache import Arrays, cache_folder, content_of, ke
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Mesh
-from robots_core.validation import Array
 
 SAMPLES = 1000
 # Joint positions evaluated for a proof; a pair that needs more stays checked.
@@ -46,18 +45,13 @@ def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
 
 def _content(robot: BaseRobotModel, solids: Sequence[Solid]) -> str:
     parts: list[object] = [SAMPLES, BUDGET, FEW_AXES, NEVER_GAP, ALWAYS_GAP, robot.axes_data.prismatic]
-    parts += [*robot.axes_data.one_turn, *_motion_of(robot)]
+    zero = np.zeros(robot.num_axes)
+    parts += [*robot.axes_data.one_turn, *robot.kinematic_model.frame_axes(zero), robot.jacobian(zero)]
     for solid in solids:
         shape = solid.geometry
         parts += [solid.name, solid.frame, solid.convex, solid.pose.r, solid.pose.T]
         parts += [shape.vertices, shape.faces] if isinstance(shape, Mesh) else [shape]
     return content_of(parts)
-
-
-def _motion_of(robot: BaseRobotModel) -> tuple[Array, ...]:
-    """All that determines how the frames move."""
-    zero = np.zeros(robot.num_axes)
-    return (*robot.kinematic_model.frame_axes(zero), robot.jacobian(zero))
 
 
 def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:

@@ -54,6 +54,8 @@ class SolidSet:
         """The solids and the axes for compiled code."""
         count, n = len(solids), robot.num_axes
         self.R, self.t = arrays[7].copy(), arrays[8].copy()
+        self.inside = self.t + np.einsum('sij,sj->si', self.R, centres)
+        """A point in each solid, (s, 3) m."""
         self.placed: PlacedArrays = (
             np.empty((n, 3)),
             np.empty((n, 3, 3)),
@@ -61,7 +63,7 @@ class SolidSet:
             self.t,
             np.empty((count, n)),
             np.zeros((self.first.size, 3)),
-            self.t + np.einsum('sij,sj->si', self.R, centres),
+            self.inside,
             np.empty((8, 3)),
             np.empty(8),
         )
