@@ -4,10 +4,10 @@ from typing import Any
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.trajectory_generators.cartesian_generator import TOOL_LIMITS
-from robots_planning.trajectory_generators.line_generator import LineGenerator
+from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 
 
-class LinearCartesianDynamicProgramming(LineGenerator):
+class LinearCartesianDynamicProgramming(LinearCartesianLimited):
     """The tool moves on a straight line and turns about one axis, in the shortest time.
 
     Velocity, acceleration and torque limits of the axes hold everywhere. The speed along the line is found by

@@ -1,6 +1,5 @@
 """PosesGenerator: the base class of motions through several poses."""
 
-from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, Self
 
@@ -9,7 +8,6 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 from robots_planning.trajectory_generators.trajectory_generator import Target
@@ -23,17 +21,9 @@ class PosesGenerator(CartesianGenerator):
         """See `TrajectoryGenerator.from_settings`; the algorithm is that of `cartesian_planner`."""
         return super().from_settings(robot, settings, planner=settings.cartesian_planner, **options)
 
-    @abstractmethod
-    def path(self, start: Pose, poses: Sequence[Pose]) -> CartesianPath:
-        """The path from pose `start` through `poses`.
-
-        Raises:
-            InvalidInputError: they determine no path; says which and why.
-        """
-
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""
-        return self.plan_path(self.path(self.path_kinematics.pose(start), [target]), start)
+        return self._plan(start, [target])
 
     def _plan(self, start: Array, target: Target) -> Trajectory:
         poses = [target] if isinstance(target, Pose) else target
@@ -41,5 +31,4 @@ class PosesGenerator(CartesianGenerator):
             raise InvalidInputError(
                 f'{type(self).__name__} needs a sequence of Pose as target, got {type(target).__name__}'
             )
-        through = [pose for pose in poses if isinstance(pose, Pose)]
-        return self.plan_path(self.path(self.path_kinematics.pose(start), through), start)
+        return self.plan_path(self.path(self.path_kinematics.pose(start), poses), start)
