@@ -72,17 +72,8 @@ def tube(
     """Straight tube from `start` to `end`, (3,) each, whose radius changes evenly."""
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.linalg.norm(end - start))
-    frame = _frame((end - start) / length)
-    outlines = [
-        _placed(outline([(0.0, 0.0, radius - inset)]), frame, start, height)
-        for radius, inset, height in (
-            (radius_start, chamfer, 0.0),
-            (radius_start, 0.0, chamfer),
-            (radius_end, 0.0, length - chamfer),
-            (radius_end, chamfer, length),
-        )
-    ]
-    return loft(outlines)
+    ends = [(0.0, 0.0, radius_start)], [(0.0, 0.0, radius_end)]
+    return _with_broken_edges(ends, _frame((end - start) / length), start, (0.0, length), chamfer)
 
 
 def upright(
@@ -122,7 +113,8 @@ def tapered_arm(
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     frame = _frame(_unit(axis))
     x, y = (end - start) @ frame[:, :2]
-    return _extrusion([(0.0, 0.0, radius_start), (x, y, radius_end)], frame, start, width, chamfer)
+    circles = [(0.0, 0.0, radius_start), (x, y, radius_end)]
+    return _with_broken_edges((circles, circles), frame, start, (-0.5 * width, 0.5 * width), chamfer)
 
 
 def fork(
@@ -162,7 +154,7 @@ def plate(
     frame = _frame(_unit(axis))
     flat = (points - points[0]) @ frame[:, :2]
     circles = [(float(x), float(y), rounding) for x, y in flat]
-    return _extrusion(circles, frame, points[0], width, chamfer)
+    return _with_broken_edges((circles, circles), frame, points[0], (-0.5 * width, 0.5 * width), chamfer)
 
 
 def block(
@@ -192,38 +184,28 @@ def pedestal(
     size_head: tuple[float, float],
     *,
     rounding: float = 0.04,
-    chamfer: float = CHAMFER,
 ) -> Mesh:
     """Upright body from a rectangle `size_foot` (x, y) about `foot` to one about `head`."""
     foot, head = np.asarray(foot, dtype=np.float64), np.asarray(head, dtype=np.float64)
     rise = head - foot
 
-    def rectangle(size: tuple[float, float], inset: float) -> Array:
+    def rectangle(size: tuple[float, float]) -> list[Circle]:
         x, y = 0.5 * size[0] - rounding, 0.5 * size[1] - rounding
-        radius = rounding - inset
-        return outline([(-x, -y, radius), (x, -y, radius), (x, y, radius), (-x, y, radius)])
+        return [(-x, -y, rounding), (x, -y, rounding), (x, y, rounding), (-x, y, rounding)]
 
-    step = chamfer / rise[2]
-    outlines = [
-        _placed(rectangle(size, inset), np.eye(3), foot + part * rise, 0.0)
-        for size, inset, part in (
-            (size_foot, chamfer, 0.0),
-            (size_foot, 0.0, step),
-            (size_head, 0.0, 1.0 - step),
-            (size_head, chamfer, 1.0),
-        )
-    ]
-    return loft(outlines)
+    frame = np.column_stack([np.eye(3)[:, :2], rise / rise[2]])
+    ends = rectangle(size_foot), rectangle(size_head)
+    return _with_broken_edges(ends, frame, foot, (0.0, rise[2]), CHAMFER)
 
 
-def outline(circles: Sequence[Circle], points: int = OUTLINE_POINTS) -> Array:
-    """Convex outline around circles (x, y, radius), counter-clockwise, (points, 2).
+def outline(circles: Sequence[Circle]) -> Array:
+    """Convex outline around circles (x, y, radius), counter-clockwise, (`OUTLINE_POINTS`, 2).
 
     Point i is the farthest point of all circles in direction i; outlines of any circles thus have points
     that correspond and can be lofted.
     """
     # Half a step off the axes, where two circles of a rectangle would be equally far.
-    angles = (np.arange(points) + 0.5) * 2.0 * np.pi / points
+    angles = (np.arange(OUTLINE_POINTS) + 0.5) * 2.0 * np.pi / OUTLINE_POINTS
     normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     data = np.asarray(circles, dtype=np.float64)
     farthest = np.argmax(normals @ data[:, :2].T + data[:, 2], axis=1)
@@ -249,17 +231,29 @@ def stl(meshes: Sequence[Mesh]) -> bytes:
     return bytes(trimesh.exchange.stl.export_stl(trimesh.util.concatenate(solids)))
 
 
-def _extrusion(circles: Sequence[Circle], frame: Array, origin: Array, width: float, chamfer: float) -> Mesh:
-    outlines = []
-    for inset, height in ((chamfer, -0.5), (0.0, -0.5), (0.0, 0.5), (chamfer, 0.5)):
-        inner = [(x, y, radius - inset) for x, y, radius in circles]
-        shift = np.sign(height) * (chamfer if inset == 0.0 else 0.0)
-        outlines.append(_placed(outline(inner), frame, origin, height * width - shift))
-    return loft(outlines)
-
-
-def _placed(points: Array, frame: Array, origin: Array, height: float) -> Array:
-    return np.asarray(origin + points @ frame[:, :2].T + height * frame[:, 2])
+def _with_broken_edges(
+    ends: tuple[Sequence[Circle], Sequence[Circle]],
+    frame: Array,
+    origin: Array,
+    heights: tuple[float, float],
+    chamfer: float,
+) -> Mesh:
+    """The solid between two outlines, each at its height above the x-y plane of a frame at `origin`."""
+    (first, last), (low, high) = ends, heights
+    sections = (
+        (first, chamfer, low),
+        (first, 0.0, low + chamfer),
+        (last, 0.0, high - chamfer),
+        (last, chamfer, high),
+    )
+    return loft(
+        [
+            origin
+            + outline([(x, y, radius - inset) for x, y, radius in circles]) @ frame[:, :2].T
+            + height * frame[:, 2]
+            for circles, inset, height in sections
+        ]
+    )
 
 
 def _unit(axis: ArrayLike | Direction) -> Array:
