@@ -5,7 +5,6 @@ from math import sqrt
 import numpy as np
 
 from robots_core.errors import InvalidInputError, PlanningError
-from robots_core.kernels.compiled import compiled
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
 from robots_core.validation import Array
 
@@ -70,7 +69,6 @@ def check_start_motion(axes: AxesData, q: Array, q_dot: Array, q_ddot: Array) ->
                 )
 
 
-@compiled()
 def furthest(q: float, q_dot: float, q_ddot: float, acceleration: float, jerk: float) -> float:
     """The highest position of an axis that brakes upward motion as hard as it can, rad (m).
 
