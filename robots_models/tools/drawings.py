@@ -25,9 +25,9 @@ from robots_models.staubli_rx160.model import StaubliRx160
 from robots_models.staubli_tx2_90.model import StaubliTx290
 from robots_models.ur5e.model import Ur5e
 from robots_models.ur10e.model import Ur10e
-from solids import Part
+from solids import Drawing
 
-DRAWINGS: Final[Mapping[str, tuple[Part, ...]]] = MappingProxyType(
+DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
     {
         'bello_bot': bello_bot.PARTS,
         'cello_bot': cello_bot.PARTS,

@@ -15,18 +15,18 @@ from lxml import etree
 from drawings import DRAWINGS, drawn_at
 from robots_core.robot_model.shapes import Mesh
 from robots_core.validation import Array
-from solids import Part, stl
+from solids import Drawing, Part, stl
 
 MESHES = 'meshes'
 PACKAGE = Path(__file__).parents[1] / 'robots_models'
 
 
-def generate_shapes(folder: Path, parts: Sequence[Part], posture: float) -> None:
+def generate_shapes(folder: Path, drawing: Drawing, posture: float) -> None:
     """Write the parts of a robot as meshes and name them in its URDF.
 
     Args:
         folder: The robot's folder; holds `robot.urdf`.
-        parts: What it looks like, in base coordinates with all joints at `posture`.
+        drawing: What it looks like with all joints at `posture`.
         posture: rad (m).
     """
     urdf = folder / 'robot.urdf'
@@ -46,9 +46,9 @@ def generate_shapes(folder: Path, parts: Sequence[Part], posture: float) -> None
     for old in meshes.glob('*.stl'):
         old.unlink()
     links = {link.get('name'): link for link in root.findall('link')}
-    for part in parts:
+    for part, solids in drawing.items():
         placement = data.oMf[model.getFrameId(part.link)]
-        (meshes / f'{part.name}.stl').write_bytes(stl([_seen_from(placement, mesh) for mesh in part.meshes]))
+        (meshes / f'{part.name}.stl').write_bytes(stl([_seen_from(placement, mesh) for mesh in solids]))
         for tag in ('visual', 'collision') if part.collision else ('visual',):
             _add_shape(links[part.link], tag, part)
     etree.indent(root)

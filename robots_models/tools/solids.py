@@ -4,8 +4,8 @@ Every solid is a loft: outlines with equally many points, joined one to the next
 All lengths are in metres.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -31,30 +31,35 @@ class Part:
         name: Unique within the robot; also its file name.
         link: The URDF link that it belongs to.
         colour: Red, green, blue, each 0..1.
-        meshes: Its solids, drawn in the base frame with the robot in its drawing posture.
         collision: Whether it stands for the body in collision checks.
     """
 
     name: str
     link: str
     colour: Colour
-    meshes: tuple[Mesh, ...]
     collision: bool
 
 
-def body(name: str, link: str, colour: Colour, *meshes: Mesh) -> Part:
+Drawing = Mapping[Part, Sequence[Mesh]]
+"""The parts of a robot, each with its solids in the base frame and with the robot in its drawing posture."""
+
+
+def body(name: str, link: str, colour: Colour) -> Part:
     """A part that is seen, and stands for the body in collision checks."""
-    return Part(name, link, colour, meshes, collision=True)
+    return Part(name, link, colour, collision=True)
 
 
-def trim(name: str, link: str, colour: Colour, *meshes: Mesh) -> Part:
+def trim(name: str, link: str, colour: Colour) -> Part:
     """A part that is only seen."""
-    return Part(name, link, colour, meshes, collision=False)
+    return Part(name, link, colour, collision=False)
 
 
-def enlarged(part: Part, factor: float) -> Part:
-    """The part with all lengths multiplied by `factor`, seen from the base."""
-    return replace(part, meshes=tuple(Mesh(factor * mesh.vertices, mesh.faces) for mesh in part.meshes))
+def enlarged(drawing: Drawing, factor: float) -> Drawing:
+    """The drawing with all lengths multiplied by `factor`, seen from the base."""
+    return {
+        part: [Mesh(factor * mesh.vertices, mesh.faces) for mesh in meshes]
+        for part, meshes in drawing.items()
+    }
 
 
 def hub(
