@@ -139,13 +139,12 @@ def frame_numbers(pose: Pose) -> tuple[float, ...]:
     return (*pose.r.tolist(), *pose.quaternion().tolist())
 
 
-def known_configuration(text: str, name: str = 'configuration') -> Configuration | None:
+def known_configuration(text: str) -> Configuration | None:
     """The configuration of a setting; None for '', which is the nearest.
 
     Raises:
         InvalidInputError: no such configuration; names what is valid.
     """
-    del name
     return Configuration.parse(text) if text else None
 
 
@@ -195,7 +194,7 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'avoid': _flag,
     'on_blocked': lambda value, name: one_of(name, ON_BLOCKED)(value),
     'most_replans': _count,
-    'configuration': known_configuration,
+    'configuration': lambda text, _: known_configuration(text),
     'hold': check_hold,
     'tool': frame,
     'base': frame,

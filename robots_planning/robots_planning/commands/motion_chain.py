@@ -14,7 +14,6 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
-from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, tool_section
 from robots_planning.paths.blending import Measure, blend, joint_distance
 from robots_planning.paths.joint_path import JointPath
@@ -183,7 +182,7 @@ class MotionChain:
         self, commands: tuple[QueuedCommand, ...], paths: list[JointPath]
     ) -> tuple[JointPath, Array]:
         """The path with blends, and s at its corners."""
-        return blend(paths, [self._zone(command.settings, command) for command in commands[:-1]])
+        return blend(paths, [self._zone(command) for command in commands[:-1]])
 
     def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> PathLimits:
         sections = [(command.settings, command.kind.cartesian) for command in commands]
@@ -217,8 +216,9 @@ class MotionChain:
         goal = in_base(command.kind, command.target, command.settings)
         return self._planning.generator(command.kind, command.settings).joint_path(start, goal)
 
-    def _zone(self, settings: MotionSettings, command: QueuedCommand) -> tuple[float, Measure]:
+    def _zone(self, command: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
+        settings = command.settings
         tip = partial(self._distance, settings.tool_pose.r)
         joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
         own, other = (tool, joints) if command.kind.cartesian else (joints, tool)

@@ -13,6 +13,7 @@ from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
+SAME: Final = 1e-6  # rad (m)
 JOGS: Final = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # rad (m) of one axis, tried to leave a contact
 
 
@@ -88,10 +89,10 @@ def blocked_target(
     )
 
 
-def distinct(postures: Array, tolerance: float = 1e-6) -> Array:
+def distinct(postures: Array) -> Array:
     """Postures (k, n) without those that are the same as one before."""
     kept: list[Array] = []
     for q in postures:
-        if all(np.abs(q - other).max() > tolerance for other in kept):
+        if all(np.abs(q - other).max() > SAME for other in kept):
             kept.append(q)
     return np.array(kept).reshape(-1, postures.shape[1])

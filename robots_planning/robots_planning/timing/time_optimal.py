@@ -15,7 +15,7 @@ from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import finer_grid, with_places
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
-from robots_planning.timing.path_start import PathStart
+from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
@@ -69,7 +69,8 @@ class _Round:
 
     def timed(self, trajectory: Trajectory) -> TimedPath:
         """The trajectory, or a slower one, as the result."""
-        return TimedPath.of(trajectory, self.places, self.law)
+        smoothing = Smoothing(self.law.window, max(1.0, trajectory.duration / self.law.duration))
+        return TimedPath(trajectory, self.places, smoothing)
 
 
 class TimeOptimalTiming:

@@ -8,7 +8,6 @@ import numpy as np
 
 from robots_core.validation import Array
 from robots_planning.timing.path_start import Smoothing
-from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.trajectory import Trajectory
 
 CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
@@ -31,11 +30,6 @@ class TimedPath:
     def times_of(self, s: Array) -> Array:
         """Times, s, at which the path coordinate has the values `s` (k,); exact at seams of the path."""
         return np.asarray(np.interp(s, self.s, self.trajectory.time))
-
-    @classmethod
-    def of(cls, trajectory: Trajectory, s: Array, law: SwitchedTimeLaw) -> TimedPath:
-        """A trajectory that was made of a time law; it may be slower."""
-        return cls(trajectory, s, Smoothing(law.window, max(1.0, trajectory.duration / law.duration)))
 
 
 def with_times(times: Array, others: Array) -> Array:

@@ -168,18 +168,15 @@ class CartesianGenerator(TrajectoryGenerator):
         best: tuple[Trajectory, Route] | None = None
         longest = np.inf
         timed: dict[RoutePiece, Trajectory] = {}
-        for route in sorted(routes, key=self._least_time):
+        for route in sorted(routes, key=lambda route: sum(map(self._least_time, route))):
             trajectory = self._timed(route, path, timed, longest)
             if trajectory is not None and trajectory.duration < longest:
                 best, longest = (trajectory, route), trajectory.duration
         assert best is not None
         return best
 
-    def _least_time(self, route: Route) -> float:
-        """Lower bound on the duration: the axes' displacements, from rest to rest in every piece, s."""
-        return sum(self._least_time_of(piece) for piece in route)
-
-    def _least_time_of(self, piece: RoutePiece) -> float:
+    def _least_time(self, piece: RoutePiece) -> float:
+        """Lower bound on the duration, s: the axes' displacements, from rest to rest."""
         distance = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
         ramp = self.velocity**2 / self.acceleration  # distance of accelerating to full speed and stopping
         fast = (distance + ramp) / self.velocity
@@ -194,7 +191,7 @@ class CartesianGenerator(TrajectoryGenerator):
         Pieces that `timed` holds from another route are not timed again.
         """
         times = {
-            piece: timed[piece].duration if piece in timed else self._least_time_of(piece) for piece in route
+            piece: timed[piece].duration if piece in timed else self._least_time(piece) for piece in route
         }
         # For turns with the tool at rest the lower bound is tight, so they are timed last.
         for piece in sorted(route, key=lambda piece: piece.begin == piece.end):

@@ -150,10 +150,10 @@ class JointSpaceGenerator(TrajectoryGenerator):
                 points = self._profile.plan(state, waypoint, self._limits, self._allowed, self._full)
             except NoProfileError as error:
                 axis, first = error.axis, first or error
-                if waypoint[axis] != goal[axis] or self._middles[axis] is None:
+                if waypoint[axis] != goal[axis] or axes.continuous[axis]:
                     break
                 waypoint = waypoint.copy()
-                waypoint[axis] = self._middles[axis]
+                waypoint[axis] = axes.middle_and_half[0][axis]
                 continue
             away = Trajectory(*points)
             return (
@@ -228,13 +228,6 @@ class JointSpaceGenerator(TrajectoryGenerator):
             return AnalyticalInverseKinematic(self.robot)
         except NoAnalyticInverseKinematicsError:
             return None
-
-    @cached_property
-    def _middles(self) -> list[float | None]:
-        """The middles of the axes' ranges; None for an axis without limits."""
-        axes = self.robot.axes_data
-        ranges = zip(axes.lower.tolist(), axes.upper.tolist(), strict=True)
-        return [0.5 * (low + high) if np.isfinite(low) else None for low, high in ranges]
 
     @cached_property
     def _profile(self) -> StateToRestProfile:
