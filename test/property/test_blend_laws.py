@@ -154,7 +154,7 @@ def test_random_chains(  # noqa: PLR0917  # hypothesis gives every drawn value a
     chain = build(name, moved, motions, sizes, cartesian_planner=planner, jerk_limited=jerk_limited, **speeds)
     robot = chain.robot
     plan = MotionChain(robot, chain.planning).plan(CommandChain(tuple(chain.orders)), chain.start)
-    blended, ends = plan.motion, plan.ends
+    blended, ends = plan.motion, tuple(plan.ends.values())
 
     # Inside all limits, without a jump of acceleration, from and to rest.
     trajectory = blended.trajectory

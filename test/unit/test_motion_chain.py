@@ -44,7 +44,7 @@ def planned(
     chain: MotionChain, orders: tuple[QueuedCommand, ...], start: np.ndarray
 ) -> tuple[PlannedMotion, tuple[float, ...]]:
     plan = chain.plan(CommandChain(orders), start)
-    return plan.motion, plan.ends
+    return plan.motion, tuple(plan.ends.values())
 
 
 def square(robot: BaseRobotModel, start: np.ndarray, side: float = 0.2) -> list[Pose]:

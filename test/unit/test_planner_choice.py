@@ -134,7 +134,7 @@ def test_the_planner_of_the_readme_moves_a_robot(robot: BaseRobotModel, start: n
         QueuedCommand(str(number), JOINT, q, blended, 0.0) for number, q in enumerate((target, start))
     )
     plan = MotionChain(robot, planning).plan(CommandChain(orders), start)
-    motion, ends = plan.motion, plan.ends
+    motion, ends = plan.motion, tuple(plan.ends.values())
     assert ends == pytest.approx((0.5 * motion.duration, motion.duration))
     still = np.zeros(robot.num_axes)
     with pytest.raises(InvalidInputError, match='SmoothJoint cannot start from a robot that moves'):

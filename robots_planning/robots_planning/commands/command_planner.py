@@ -109,7 +109,7 @@ class CommandPlanner:
             except SearchCancelledError:
                 continue
             join_time = planned.motion.duration if planned.open_end is None else planned.open_end.time
-            motion = RunningMotion(planned.id, planned.motion.trajectory, planned.ends_by_id, join_time)
+            motion = RunningMotion(planned.id, planned.motion.trajectory, planned.ends, join_time)
             if self._commit(motion, failures):
                 break
         self._open = planned.open_end
@@ -126,7 +126,7 @@ class CommandPlanner:
         if join_time > 0.0:
             state, only = running[-1].trajectory.sample(join_time), commands[0]
             motion = self._planning.plan_moving(only.kind, state, only.target, only.settings)
-            return ChainPlan(commands, motion, (motion.duration,), join_time=join_time)
+            return ChainPlan(commands, motion, {only.id: motion.duration}, join_time=join_time)
         plan, stop = self._carried_on(chain, running)
         if plan is not None:
             join_time = round(running[-1].join_time - running[-1].trajectory.duration, 9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -54,7 +54,7 @@ class ChainPlan:
     Attributes:
         commands: Those in it, in order.
         motion: Their motion.
-        ends: When each is done with, s of it.
+        ends: When each is done with, s of it, by id and in order.
         open_end: Where another plan may continue; None if none does.
         join_time: Where it continues from another plan, s; see `MotionPlannerPort.send`.
         stop: Why the chain stops before it, for a person; '' if it does not.
@@ -62,7 +62,7 @@ class ChainPlan:
 
     commands: tuple[QueuedCommand, ...]
     motion: PlannedMotion
-    ends: tuple[float, ...]
+    ends: Mapping[str, float]
     open_end: OpenEnd | None = None
     join_time: float = 0.0
     stop: str = ''
@@ -71,11 +71,6 @@ class ChainPlan:
     def id(self) -> str:
         """The motion's own: that of the last command before another plan may continue."""
         return self.commands[-1 if self.open_end is None else -1 - len(self.open_end.commands)].id
-
-    @property
-    def ends_by_id(self) -> dict[str, float]:
-        """When each command ends, s of the plan, by id and in order."""
-        return dict(zip((command.id for command in self.commands), self.ends, strict=True))
 
 
 class MotionChain:
@@ -108,7 +103,7 @@ class MotionChain:
         if len(commands) == 1:
             only = commands[0]
             motion = self._planning.plan(only.kind, q_start, only.target, only.settings)
-            return ChainPlan(commands, motion, (motion.duration,))
+            return ChainPlan(commands, motion, {only.id: motion.duration})
         paths = self._paths(commands, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...], OpenEnd | None]] = []
         # A blend at a corner that leads almost straight back may permit no speed; then the chain stops there.
@@ -166,7 +161,8 @@ class MotionChain:
         motion = self._planning.checked(
             trajectory, last.kind, last.settings, tools=tools, start_motion=start_motion
         )
-        return ChainPlan(commands, motion, ends, open_end)
+        by_id = dict(zip((command.id for command in commands), ends, strict=True))
+        return ChainPlan(commands, motion, by_id, open_end)
 
     def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them has none to run through."""

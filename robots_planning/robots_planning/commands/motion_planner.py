@@ -355,7 +355,7 @@ class MotionPlanner:
         title = ' + '.join(command.kind.title for command in planned.commands)
         if planned.stop:
             title += f' after a stop of its chain ({planned.stop})'
-        self._follow(planned.id, planned.motion, planned.ends_by_id, title, planned.join_time)
+        self._follow(planned.id, planned.motion, planned.ends, title, planned.join_time)
 
     def _follow(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float
