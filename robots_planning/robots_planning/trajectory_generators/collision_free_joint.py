@@ -97,31 +97,26 @@ class CollisionFreeJoint(JointSpaceGenerator):
         self.collision, self.margin, self._cancelled = collision, margin, cancelled
 
     def _plan(self, start: Array, target: Target) -> Trajectory:
-        try:
-            path = self.joint_path(start, target)
-        except _ZeroMotionError as error:
-            return rest_trajectory(start, error.goal)
-        return self._timing.trajectory(path)
+        goals = self._goals(start, target)
+        if float(np.abs(goals[0] - start).max()) < SHORTEST_MOVE:
+            return rest_trajectory(start, goals[0])
+        return self._timing.trajectory(self._path(start, goals))
 
     def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
         """See `TrajectoryGenerator.generate_moving`: from rest only."""
         return super(JointSpaceGenerator, self).generate_moving(motion, target)
 
-    def joint_path(self, start: Array, target: Target) -> JointPath:
-        """The certified path from a posture to a target.
+    def _path(self, start: Array, goals: Array) -> JointPath:
+        """The certified path from a posture to one of several others.
 
         Raises:
             NoFreePathError: no path was found; names the bodies in the way.
             BlockedPostureError: start or target collides, or the target is too close to something.
-            PlanningError: the motion goes nowhere, or was given up.
+            PlanningError: the motion was given up.
         """
-        goals = self._goals(start, target)
-        nearest = goals[0]
-        if float(np.abs(nearest - start).max()) < SHORTEST_MOVE:
-            raise _ZeroMotionError(nearest)
         self.via = np.empty((0, start.size))
         if self.collision is None:
-            return super().joint_path(start, nearest)
+            return super()._path(start, goals)
         key = (start.tobytes(), goals.tobytes(), self.collision.scene, self.margin)
         if self._last is not None and self._last[0] == key:  # asked again, for a chain or its stops
             self.via = self._last[2]
@@ -175,14 +170,6 @@ class CollisionFreeJoint(JointSpaceGenerator):
             except UnreachablePoseError:  # from this seed; the first search has found the pose in reach
                 continue
         return others
-
-
-class _ZeroMotionError(PlanningError):
-    """The motion goes nowhere: `goal` (n,) is the start, or closer to it than rounding."""
-
-    def __init__(self, goal: Array) -> None:
-        super().__init__('a motion that goes nowhere has no path to run through')
-        self.goal = goal
 
 
 def _all_blocked(reasons: list[BlockedPostureError]) -> BlockedPostureError:

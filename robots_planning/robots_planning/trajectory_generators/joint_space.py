@@ -118,11 +118,19 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     def joint_path(self, start: Array, target: Target) -> JointPath:
         """See `TrajectoryGenerator.joint_path`."""
-        end = self.goal(start, target)
-        if float(np.abs(end - start).max()) < SHORTEST_MOVE:
+        goals = self._goals(start, target)
+        if float(np.abs(goals[0] - start).max()) < SHORTEST_MOVE:
             raise PlanningError('a motion that goes nowhere has no path to run through')
-        way, still = np.array([end - start] * 2), np.zeros((2, len(start)))
-        return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
+        return self._path(start, goals)
+
+    def _goals(self, start: Array, target: Target) -> Array:
+        """Postures (k, n) that reach a target, the nearest first."""
+        return self.goal(start, target)[None]
+
+    def _path(self, start: Array, goals: Array) -> JointPath:
+        """The path from a posture (n,) to the nearest of several others, (k, n)."""
+        way, still = np.array([goals[0] - start] * 2), np.zeros((2, len(start)))
+        return JointPath(np.array([0.0, 1.0]), np.array([start, goals[0]]), way, still)
 
     def goal(self, start: Array, target: Target) -> Array:
         """Joint positions (n,) in which a target is reached from `start`, which is inside the limits.
