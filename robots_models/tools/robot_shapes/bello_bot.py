@@ -27,6 +27,14 @@ def _ring(top: float, radius: float) -> Mesh:
     return upright(top - _RING, top, radius, radius, chamfer=0.004)
 
 
+def _shell(
+    joint: float, height: float, radius_below: float, radius_above: float, *, width: float, chamfer: float
+) -> Mesh:
+    """The round housing above a joint."""
+    ends = (0.0, 0.0, joint), (0.0, 0.0, joint + height)
+    return tapered_arm(*ends, radius_below, radius_above, axis='y', width=width, chamfer=chamfer)
+
+
 PARTS: Final[Drawing] = {
     trim('foot', 'base_link', _INK): [upright(0.0, 0.035, 0.17, 0.165)],
     body('base', 'base_link', _CREAM): [upright(0.03, _TURN_1 - _RING, 0.145, 0.115, chamfer=0.02)],
@@ -38,33 +46,21 @@ PARTS: Final[Drawing] = {
     ],
     body('shoulder', 'link_1', _TEAL): [hub((0.0, 0.0, _SHOULDER), 'y', 0.095, 0.23, chamfer=0.02)],
     body('upper_arm', 'link_2', _CREAM): [
-        tapered_arm(
-            (0.0, 0.0, _SHOULDER),
-            (0.0, 0.0, _SHOULDER + 0.16),
-            0.118,
-            0.085,
-            axis='y',
-            width=0.17,
-            chamfer=0.03,
-        ),
+        _shell(_SHOULDER, 0.16, 0.118, 0.085, width=0.17, chamfer=0.03),
         upright(_SHOULDER + 0.08, _TURN_3 - _RING, 0.088, 0.08),
     ],
     trim('upper_arm_ring', 'link_2', _CORAL): [_ring(_TURN_3, 0.079)],
     body('upper_arm_end', 'link_3', _CREAM): [upright(_TURN_3, _ELBOW - 0.02, 0.08, 0.066)],
     body('elbow', 'link_3', _TEAL): [hub((0.0, 0.0, _ELBOW), 'y', 0.078, 0.19, chamfer=0.016)],
     body('forearm', 'link_4', _CREAM): [
-        tapered_arm(
-            (0.0, 0.0, _ELBOW), (0.0, 0.0, _ELBOW + 0.12), 0.096, 0.07, axis='y', width=0.14, chamfer=0.025
-        ),
+        _shell(_ELBOW, 0.12, 0.096, 0.07, width=0.14, chamfer=0.025),
         upright(_ELBOW + 0.06, _TURN_5 - _RING, 0.072, 0.065),
     ],
     trim('forearm_ring', 'link_4', _CORAL): [_ring(_TURN_5, 0.064)],
     body('forearm_end', 'link_5', _CREAM): [upright(_TURN_5, _WRIST - 0.02, 0.065, 0.052)],
     body('wrist', 'link_5', _TEAL): [hub((0.0, 0.0, _WRIST), 'y', 0.058, 0.145, chamfer=0.013)],
     body('hand', 'link_6', _CREAM): [
-        tapered_arm(
-            (0.0, 0.0, _WRIST), (0.0, 0.0, _WRIST + 0.06), 0.073, 0.056, axis='y', width=0.105, chamfer=0.02
-        ),
+        _shell(_WRIST, 0.06, 0.073, 0.056, width=0.105, chamfer=0.02),
         upright(_WRIST + 0.03, _TURN_7 - _RING, 0.056, 0.052),
     ],
     trim('hand_ring', 'link_6', _CORAL): [_ring(_TURN_7, 0.051)],
