@@ -214,7 +214,7 @@ def test_a_circle_that_does_not_close_is_refused() -> None:
         CircularArc(start, via, second, second_via=points((0.0, -1.0, 0.0))[0])
     with pytest.raises(InvalidInputError, match='second via'):
         CircularArc(start, via, start, second_via=via)
-    with pytest.raises(InvalidInputError, match="'interpolated', 'along_path'"):
+    with pytest.raises(InvalidInputError, match='valid are interpolated and along_path'):
         CircularArc(start, via, second, orientation='sideways')  # type: ignore[arg-type]
 
 

@@ -150,7 +150,9 @@ def test_a_planner_of_lines_leaves_curves_to_their_own(robot: BaseRobotModel, st
     motion = planning.plan(LINE, start, below, settings)
     assert motion.duration > 1.0
     assert motion.report.line_deviation is not None
-    with pytest.raises(InvalidInputError, match="'slow' must be one of 'limited', 'dynamic_programming'"):
+    with pytest.raises(
+        InvalidInputError, match="planner 'slow' is unknown; valid are limited and dynamic_programming"
+    ):
         planning.plan(CIRCLE, start, (below, pose), settings)
 
 

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core import StructuralData
-from robots_core.errors import InvalidInputError
 from robots_core.robot_model.urdf_robot_model import EARTH_GRAVITY
-from robots_core.validation import Array, finite_vector
+from robots_core.validation import Array, finite_vector, one_of
 from robots_models.packaged_robot import PackagedRobot
 
 
@@ -109,6 +108,4 @@ class FrankaFr3(PackagedRobot):
         limits: Literal['published', 'rectangular'] = 'published',
     ) -> None:
         files = {'published': 'joint_limits.yaml', 'rectangular': 'rectangular_limits.yaml'}
-        if limits not in files:
-            raise InvalidInputError(f'limits = {limits!r} must be one of {", ".join(files)}')
-        super().__init__(gravity=gravity, joint_limits=files[limits])
+        super().__init__(gravity=gravity, joint_limits=files[one_of('limits', files)(limits)])

@@ -16,7 +16,7 @@ from robots_core.blocks.inverse_kinematics.viability import velocity_interval
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, bounded_vector, finite_vector, positive, read_only
+from robots_core.validation import Array, bounded_vector, finite_vector, one_of, positive, read_only
 from robots_planning.guidance.slowed_robot import SlowedRobot
 
 JogAxes = Literal['base', 'base_link', 'tool', 'world']
@@ -200,8 +200,7 @@ class TeachBox:
             InvalidInputError: not six numbers up to `FASTEST`, or no such axes.
         """
         values = bounded_vector(twist, 6, 'twist', FASTEST, 'm/s, rad/s')
-        if frame not in JOG_AXES:
-            raise InvalidInputError(f'unknown axes {frame!r} to jog in; axes are {", ".join(JOG_AXES)}')
+        one_of('frame', JOG_AXES)(frame)
         self._command, self._frame, self._time = np.array(values), frame, time
 
     def step(self, now: float) -> TeachStep:

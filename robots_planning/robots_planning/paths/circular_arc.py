@@ -1,13 +1,13 @@
 """CircularArc: an arc or a full circle of the tool."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
-from robots_core.validation import Array, read_only
+from robots_core.validation import Array, one_of, read_only
 from robots_planning.paths.cartesian_path import (
     CartesianPath,
     check_apart,
@@ -19,7 +19,6 @@ from robots_planning.paths.cartesian_path import (
 SMALLEST_SINE = 1e-6
 
 Orientation = Literal['interpolated', 'along_path']
-ORIENTATIONS = ('interpolated', 'along_path')
 
 
 class CircularArc(CartesianPath):
@@ -50,10 +49,7 @@ class CircularArc(CartesianPath):
         second_via: Pose | None = None,
         orientation: Orientation = 'interpolated',
     ) -> None:
-        if orientation not in ORIENTATIONS:
-            raise InvalidInputError(
-                f'orientation = {orientation!r} must be one of {", ".join(map(repr, ORIENTATIONS))}'
-            )
+        one_of('orientation', get_args(Orientation))(orientation)
         third, names = _third_point(start, end, second_via)
         self.center, self.normal, self.radius = circle_through(start, via, third, names)
         out = start.r - self.center

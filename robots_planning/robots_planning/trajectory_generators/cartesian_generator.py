@@ -1,15 +1,15 @@
 """CartesianGenerator: motions along a path of the tool, inside the limits of axes and tool."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Final, Literal, Self
+from typing import Any, ClassVar, Final, Literal, Self, get_args
 
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.hold import POSE
-from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, positive
+from robots_core.validation import Array, one_of, positive
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
@@ -28,7 +28,6 @@ from robots_planning.trajectory_generators.trajectory_generator import (
 )
 
 Planner = Literal['limited', 'dynamic_programming']
-PLANNERS = ('limited', 'dynamic_programming')
 
 TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
 """Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
@@ -91,9 +90,7 @@ class CartesianGenerator(TrajectoryGenerator):
         self._tool_limits = np.array(
             [np.inf if value is None else positive(value, name, unit) for name, value, unit in motion]
         )
-        if planner not in PLANNERS:
-            raise InvalidInputError(f'planner = {planner!r} must be one of {", ".join(map(repr, PLANNERS))}')
-        fastest = planner == 'dynamic_programming'
+        fastest = one_of('planner', get_args(Planner))(planner) == 'dynamic_programming'
         self.keeps_torque = fastest and torque
         if self.hold == POSE and fastest:
             self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
