@@ -63,18 +63,11 @@ class WallClock:
         else:
             condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
 
-    def program_started(self) -> None:
-        """Nothing: time passes by itself."""
-
-    def program_ended(self) -> None:
-        """Nothing: time passes by itself."""
-
-    def called(self) -> None:
-        """Nothing: time passes by itself."""
-
     def computes(self) -> bool:
         """Never: time passes by itself."""
         return False
 
     def pass_period(self) -> None:
         """Nothing: time passes by itself."""
+
+    program_started = program_ended = called = pass_period
