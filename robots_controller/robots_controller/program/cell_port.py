@@ -83,26 +83,14 @@ class CellPort(Protocol):
 
 
 class DetachedCell(CellPort):
-    """A cell without a robot. For checks, and as a base of partial cells.
+    """A cell without a robot, in the machine's time. For checks, and as a base of partial cells.
 
     Requests and reports have no effect: those of the port itself, whose bodies are empty.
     """
 
+    clock = WallClock()
+    payload = NOTHING
+    simulated = False
+
     def __init__(self) -> None:
-        self._clock = WallClock()
         self.robot = ProgramRobot()
-
-    @property
-    def clock(self) -> Clock:
-        """The machine's monotonic time."""
-        return self._clock
-
-    @property
-    def payload(self) -> tuple[float, ...]:
-        """Nothing."""
-        return NOTHING
-
-    @property
-    def simulated(self) -> bool:
-        """No."""
-        return False
