@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import socket
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -87,10 +88,15 @@ class DebuggedProgram:
         self.path.write_text(text)
         cell = DetachedCell()
         self.program = LuaProgram(6, cell)
-        self.server = server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
-        cell.held_changed, cell.printed, cell.ended = server.on_held, server.on_print, server.on_finished
+        self.server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
+        cell.held_changed = partial(self._tell, 'on_held')
+        cell.printed = partial(self._tell, 'on_print')
+        cell.ended = partial(self._tell, 'on_finished')
         self.server.start()
         self.editor = Editor(self.server.port)
+
+    def _tell(self, event: str, *what: object) -> None:
+        getattr(self.server.adapter, event)(*what)
 
     def close(self) -> None:
         self.editor.close()

@@ -4,12 +4,13 @@ import contextlib
 import secrets
 import socket
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from robots_controller.editor.debug_adapter import DebugAdapter, Message, message_bytes, read_messages
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_core.errors import InstallationError, ProgramError, RobotsError
+from robots_core.errors import InstallationError, RobotsError
 
 HOST: Final = '127.0.0.1'
 # An editor that takes nothing must not hold the program.
@@ -27,7 +28,7 @@ class DebugAdapterServer:
     """One editor at a time, on this machine only, with the token.
 
     Args:
-        program: The program to debug; its owner hands on `on_held`, `on_print` and `on_finished`.
+        program: The program to debug; its owner tells the `adapter` what it does.
         token: What editors must give; see `DebugAdapter`.
         folder: Where the programs are that editors may launch.
         port: TCP port; -1 for any free one.
@@ -45,7 +46,8 @@ class DebugAdapterServer:
             raise InstallationError(f'port {port} is not free for the debugger: {error}') from error
         self.port = int(self._socket.getsockname()[1])
         """Where editors connect."""
-        self._adapter: DebugAdapter | None = None
+        self._nobody = self.adapter = self._adapter_of(lambda _: None)
+        """The adapter of the editor that is connected, or one whose events nobody gets."""
         self._connection: socket.socket | None = None
         self._thread = threading.Thread(target=self._serve, name='debug adapter', daemon=True)
 
@@ -61,21 +63,6 @@ class DebugAdapterServer:
                     one.shutdown(socket.SHUT_RDWR)
                 one.close()
 
-    def on_held(self) -> None:
-        """The program is held, or continues."""
-        if (adapter := self._adapter) is not None:
-            adapter.on_held()
-
-    def on_print(self, text: str, line: int) -> None:
-        """The program has printed."""
-        if (adapter := self._adapter) is not None:
-            adapter.on_print(text, line)
-
-    def on_finished(self, error: ProgramError | None) -> None:
-        """The program has ended."""
-        if (adapter := self._adapter) is not None:
-            adapter.on_finished(error)
-
     # -- the server's thread ------------------------------------------------------------------------
 
     def _serve(self) -> None:
@@ -89,6 +76,9 @@ class DebugAdapterServer:
                 self._talk(connection)
                 self._connection = None
 
+    def _adapter_of(self, send: Callable[[Message], None]) -> DebugAdapter:
+        return DebugAdapter(self._program, send, token=self._token, folder=self._folder)
+
     def _talk(self, connection: socket.socket) -> None:
         def send(message: Message) -> None:
             with contextlib.suppress(OSError):
@@ -98,7 +88,7 @@ class DebugAdapterServer:
         writer = connection.dup()
         writer.settimeout(SEND_TIMEOUT)
         connection.settimeout(TOKEN_TIMEOUT)
-        adapter = self._adapter = DebugAdapter(self._program, send, token=self._token, folder=self._folder)
+        adapter = self.adapter = self._adapter_of(send)
         try:
             with writer, connection.makefile('rb') as stream:
                 for message in read_messages(stream):
@@ -110,6 +100,6 @@ class DebugAdapterServer:
         except (OSError, RobotsError):  # the editor is gone, or what it sends is no protocol
             pass
         finally:
-            self._adapter = None
+            self.adapter = self._nobody
             if adapter.admitted and not adapter.ended:
                 adapter.leave()

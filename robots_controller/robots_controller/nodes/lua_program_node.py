@@ -338,7 +338,7 @@ class LuaProgramNode(RobotNode):
         """See `ProgramObserver`."""
         self._print_logger.info(text)
         if self._debug_server is not None:
-            self._debug_server.on_print(text, line)
+            self._debug_server.adapter.on_print(text, line)
 
     def line_reached(self, _line: int) -> None:
         """See `ProgramObserver`; the status names it."""
@@ -360,7 +360,7 @@ class LuaProgramNode(RobotNode):
     def held_changed(self) -> None:
         """See `ProgramObserver`."""
         if self._debug_server is not None:
-            self._debug_server.on_held()
+            self._debug_server.adapter.on_held()
 
     def ended(self, error: ProgramError | None) -> None:
         """See `ProgramObserver`."""
@@ -372,7 +372,7 @@ class LuaProgramNode(RobotNode):
             stack = error.details.get('stack', '')
             self.journal.error(f'{error}\n{stack}'.rstrip())
         if self._debug_server is not None:
-            self._debug_server.on_finished(error)
+            self._debug_server.adapter.on_finished(error)
 
     def destroy_node(self) -> None:
         """End the program before what it uses, and leave the outputs at their fail-safe values."""
