@@ -3,7 +3,6 @@
 import threading
 from collections.abc import Mapping, Sequence
 from functools import partial
-from types import TracebackType
 from typing import Any, Final, Self
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -23,7 +22,7 @@ from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.program.motions.modal_settings import BLEND_ZONES
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.cell_interface.operating_modes import Commander
-from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
+from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.qos import make_publisher, subscribe
@@ -99,10 +98,14 @@ class CellClient:
         self._override = make_publisher(node, Float64, 'override')
         self._planner = PlannerClient(node, names)
         self._queue = commanded_motions(
-            node, self._planner, self._connection.send, self._ended, patience=patience
+            node,
+            self._planner,
+            self._connection.send,
+            lambda _, command, error: self._motions.end(command, error),
+            patience=patience,
         )
         self._motions = MotionsUnderWay(self._queue.cancel, self._flush, patience)
-        subscribe(node, Float64, 'motion_progress', self._advanced)
+        subscribe(node, Float64, 'motion_progress', lambda message: self._motions.advance(message.data))
         for topic in ('commander', 'operating_mode'):
             subscribe(node, String, topic, partial(self._on_text, topic))
         subscribe(node, DiagnosticStatus, 'stop_status', self._on_stop)
@@ -119,9 +122,7 @@ class CellClient:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     # -- motions --------------------------------------------------------------------------------------
@@ -292,12 +293,6 @@ class CellClient:
             raise CommandRefusedError(answer.message)
 
     # -- the connection's thread ----------------------------------------------------------------------
-
-    def _ended(self, _id: str, command: MotionCommand, error: RobotsError | None) -> None:
-        self._motions.end(command, error)
-
-    def _advanced(self, message: Float64) -> None:
-        self._motions.advance(message.data)
 
     def _on_text(self, topic: str, message: String) -> None:
         self._latched[topic] = message.data
