@@ -77,21 +77,6 @@ def _valid(text: str) -> str:
     return '/' + re.sub(r'\W+', '_', text.strip('/')).strip('_').lstrip('0123456789') if text else '/robot'
 
 
-def existing(what: str) -> Callable[[str], str]:
-    """Something to read that exists; '' for nothing.
-
-    Args:
-        what: What it is, for messages.
-    """
-
-    def kind(text: str) -> str:
-        if text and not exists(text):
-            raise argparse.ArgumentTypeError(f'{what} {text!r} not found')
-        return text
-
-    return kind
-
-
 def new_file(text: str) -> Path:
     """A file to write, in a folder that exists."""
     path = Path(text)
@@ -154,10 +139,15 @@ def bag(text: str) -> Path:
 
 
 def add_file(parser: argparse.ArgumentParser, flag: str, text: str, metavar: str = 'FILE') -> None:
-    """Add an argument that names something to read; as an option it may be '' for nothing."""
-    action = parser.add_argument(
-        flag, type=existing(flag.lstrip('-').replace('-', ' ')), metavar=metavar, help=text
-    )
+    """Add an argument that names something to read, which exists; as an option it may be '' for nothing."""
+    what = flag.lstrip('-').replace('-', ' ')
+
+    def existing(path: str) -> str:
+        if path and not exists(path):
+            raise argparse.ArgumentTypeError(f'{what} {path!r} not found')
+        return path
+
+    action = parser.add_argument(flag, type=existing, metavar=metavar, help=text)
     if action.option_strings:
         action.default = ''
 
