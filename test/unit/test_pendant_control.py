@@ -33,7 +33,7 @@ def with_program(state: RunState, **changes: Any) -> PendantState:
 
 def reason(action: Action, state: PendantState) -> str:
     found = refusal(action, state)
-    return '' if found is None else found.key
+    return '' if found is None else found.message
 
 
 def test_one_viewer_operates_and_another_one_takes_over_on_purpose() -> None:
@@ -178,9 +178,9 @@ def test_every_reason_has_its_text() -> None:
     ]
     for action, state in product(Action, states):
         if (found := refusal(action, state)) is not None:
-            reasons.add(found.key)
+            reasons.add(found.message)
             for code in LANGUAGES:
-                assert '{' not in read_texts(code).error(NotPermittedError(found))
+                assert '{' not in read_texts(code).error(found)
     known = {key.removeprefix('reasons.') for key in read_texts('en').texts if key.startswith('reasons.')}
     raised = {'controlled', 'not_in_control', 'no_preview', 'no_position', 'no_program', 'moving'}
     assert reasons | raised | {'no_torque', 'none_recorded'} == known

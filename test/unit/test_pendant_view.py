@@ -12,7 +12,7 @@ from robots_controller.control.stops.faults import Fault
 from robots_controller.pendant.channels import channel_label, found_channels
 from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
-from robots_controller.pendant.permissions import Reason
+from robots_controller.pendant.permissions import NotPermittedError
 from robots_controller.pendant.programs import program_files, read_program
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_controller.program.run_state import RunState
@@ -44,9 +44,11 @@ def test_every_fault_has_its_german_name() -> None:
 @pytest.mark.parametrize('code', ['en', 'de'])
 def test_reasons_name_states_in_the_language_of_the_page(code: str) -> None:
     text = read_texts(code)
-    said = text.reason(Reason('commanded', PendantState(commander=Commander.SENSOR).values))
+    said = text.error(NotPermittedError('commanded', **PendantState(commander=Commander.SENSOR).values))
     assert text('commanders.SENSOR') in said
-    said = text.reason(Reason('fault', PendantState(fault='pressed', fault_kind='emergency stop').values))
+    said = text.error(
+        NotPermittedError('fault', **PendantState(fault='pressed', fault_kind='emergency stop').values)
+    )
     assert ('Not-Halt (pressed)' if code == 'de' else 'stopped: pressed') in said
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from robots_controller.pendant.permissions import NotPermittedError, Reason
+from robots_controller.pendant.permissions import NotPermittedError
 
 
 class ControlDesk:
@@ -30,7 +30,7 @@ class ControlDesk:
             NotPermittedError: another one has it.
         """
         if self.holder not in ('', viewer) and not from_other:
-            raise NotPermittedError(Reason('controlled'))
+            raise NotPermittedError('controlled')
         if viewer != self.holder:
             self.log(f'the page at {address} operates the robot')
         self.holder, self.address = viewer, address
@@ -47,4 +47,4 @@ class ControlDesk:
             NotPermittedError: it is not.
         """
         if self.holder != viewer:
-            raise NotPermittedError(Reason('controlled' if self.holder else 'not_in_control'))
+            raise NotPermittedError('controlled' if self.holder else 'not_in_control')

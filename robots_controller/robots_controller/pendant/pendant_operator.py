@@ -24,7 +24,7 @@ from robots_controller.pendant.message_log import MessageLog
 from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
-from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
+from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
 from robots_controller.pendant.program_editing import findings
 from robots_controller.pendant.programs import program_file
 from robots_controller.pendant.recording import Recording
@@ -325,9 +325,9 @@ class PendantOperator:
         self.check(viewer, Action.TEACH)
         q, q_dot = self.state.q, self.state.q_dot
         if q is None:
-            raise NotPermittedError(Reason('no_position'))
+            raise NotPermittedError('no_position')
         if q_dot is not None and (np.abs(q_dot) > STANDING * self.robot.axes_data.velocity).any():
-            raise NotPermittedError(Reason('moving'))
+            raise NotPermittedError('moving')
         self.measuring.touch(sequence, q)
 
     def _reopen(self) -> None:
@@ -338,7 +338,7 @@ class PendantOperator:
     @property
     def _points_file(self) -> Path:
         if not self.state.program.points_file:
-            raise NotPermittedError(Reason('no_program'))
+            raise NotPermittedError('no_program')
         return Path(self.state.program.points_file)
 
     # -- settings, inputs and outputs ---------------------------------------------------------------------
@@ -372,5 +372,5 @@ class PendantOperator:
             NotPermittedError: it is not in control, or the state does not permit the action.
         """
         self.desk.check(viewer)
-        if (reason := refusal(action, self.state)) is not None:
-            raise NotPermittedError(reason)
+        if (error := refusal(action, self.state)) is not None:
+            raise error

@@ -6,9 +6,8 @@ The nodes decide; this is what they would answer, so that the page can say it be
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Final
+from typing import Final
 
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.program.run_state import RunState
@@ -38,32 +37,19 @@ class Action(StrEnum):
     SWITCH = 'switch'
 
 
-@dataclass(frozen=True)
-class Reason:
-    """Why something may not be pressed.
-
-    Attributes:
-        key: Of its text, below `reasons`.
-        values: What the text names.
-    """
-
-    key: str
-    values: Mapping[str, Any] = field(default_factory=dict)
-
-
 class NotPermittedError(CommandRefusedError):
     """The operator's page does not permit an action in the present state of the cell.
 
     Args:
-        reason: Why.
+        key: Of the text of the reason, below `reasons`.
+        values: What that text names.
     """
 
     code = 'R406'
     remedy = 'Take control, or change the operating mode, as the reason at the button says.'
 
-    def __init__(self, reason: Reason) -> None:
-        super().__init__(reason.key, **{key: str(value) for key, value in reason.values.items()})
-        self.reason = reason
+    def __init__(self, key: str, **values: object) -> None:
+        super().__init__(key, **{name: str(value) for name, value in values.items()})
 
 
 Rule = Callable[[PendantState], str]
@@ -141,9 +127,9 @@ RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
 """In their order: the first reason is shown."""
 
 
-def refusal(action: Action, state: PendantState) -> Reason | None:
+def refusal(action: Action, state: PendantState) -> NotPermittedError | None:
     """Why an action is not permitted now; None if it is."""
     for rule in RULES[action]:
         if key := rule(state):
-            return Reason(key, state.values)
+            return NotPermittedError(key, **state.values)
     return None

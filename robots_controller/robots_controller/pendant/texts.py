@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import yaml
 
-from robots_controller.pendant.permissions import NotPermittedError, Reason
+from robots_controller.pendant.permissions import NotPermittedError
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 
 LANGUAGES: Final[Mapping[str, str]] = {'en': 'English', 'de': 'Deutsch'}
@@ -48,18 +48,17 @@ class Texts:
         named = self.texts.get(f'faults.{kind}')
         return fault if named is None else f'{named} ({fault})'
 
-    def reason(self, reason: Reason) -> str:
-        """Why something may not be pressed."""
-        values = dict(reason.values)
+    def _reason(self, error: NotPermittedError) -> str:
+        values = dict(error.details)
         for name, section in NAMED.items():
             values[name] = self.texts.get(f'{section}.{values.get(name)}', values.get(name, ''))
-        values['fault'] = self.fault(values.get('fault_kind', ''), values.get('fault', ''))
-        return self(f'reasons.{reason.key}', **values)
+        values['fault'] = self.fault(str(values.get('fault_kind', '')), str(values.get('fault', '')))
+        return self(f'reasons.{error.message}', **values)
 
     def error(self, error: RobotsError) -> str:
         """What an error says in this language; in English where there is no text for its key or code."""
         if isinstance(error, NotPermittedError):
-            return self.reason(error.reason)
+            return self._reason(error)
         for key in (f'errors.{error.code}_{error.details.get("key")}', f'errors.{error.code}'):
             if (text := self.texts.get(key)) is not None:
                 with suppress(KeyError):  # a node of another version may send other facts

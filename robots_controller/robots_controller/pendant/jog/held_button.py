@@ -13,7 +13,7 @@ from robots_controller.pendant.jog.jog_command import JogCommand
 from robots_controller.pendant.jog.pendant_motion import Preview, step_command
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
-from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
+from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, RobotsError
@@ -213,7 +213,7 @@ class HeldButton:
     ) -> MotionCommand:
         if jog is None:
             if preview is None:
-                raise NotPermittedError(Reason('no_preview'))
+                raise NotPermittedError('no_preview')
             return preview.command
         if not 0.0 < step <= LARGEST_STEP:
             raise InvalidInputError(f'step = {step:g} must be above 0, at most {LARGEST_STEP:g} (rad or m)')
@@ -239,7 +239,7 @@ def standing(port: PendantPort, state: PendantState) -> Array:
     if q is None:
         q = state.q
     if q is None:
-        raise NotPermittedError(Reason('no_position'))
+        raise NotPermittedError('no_position')
     return q
 
 

@@ -89,7 +89,7 @@ class Viewer:
         try:
             self.operator.check(self.id, action)
         except NotPermittedError as error:
-            return self.texts.reason(error.reason)
+            return self.texts.error(error)
         return ''
 
 

@@ -8,7 +8,7 @@ from robots_controller.measuring.shown_numbers import millimetres
 from robots_controller.pendant.page.elements import mark, show_text
 from robots_controller.pendant.page.measuring.guide import Guide
 from robots_controller.pendant.page.viewer import ActionButton
-from robots_controller.pendant.permissions import Action, NotPermittedError, Reason
+from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_core.blocks.calibration.payload_identification import IdentifiedPayload, identify_payload
 
 
@@ -42,7 +42,7 @@ class PayloadMeasuring(Guide):
         operator = self.operator
         operator.desk.check(viewer)
         if operator.state.torque is None:
-            raise NotPermittedError(Reason('no_torque'))
+            raise NotPermittedError('no_torque')
         operator.motion.start()
 
     async def _evaluate(self) -> None:
@@ -54,13 +54,13 @@ class PayloadMeasuring(Guide):
         operator.desk.check(viewer)
         operator.motion.stop()
         if not operator.motion.duration:
-            raise NotPermittedError(Reason('none_recorded'))
+            raise NotPermittedError('none_recorded')
         return identify_payload(operator.robot, operator.motion.samples())
 
     def save(self, name: str) -> None:
         """See `Guide`."""
         if self._found is None:
-            raise NotPermittedError(Reason('none_recorded'))
+            raise NotPermittedError('none_recorded')
         self.operator.measuring.save_payload(self.file(), name, self._found)
 
     def _show(self, found: IdentifiedPayload | None) -> None:
