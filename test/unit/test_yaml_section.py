@@ -57,6 +57,8 @@ def test_values_are_read_with_their_types():
         (lambda s: list(s.sections('below')), 7, 'below must be a list'),
         (lambda s: s.texts('rows'), 9, 'rows must be texts'),
         (lambda s: s.finish(['nam']), 2, "unknown key 'name'; did you mean 'nam'?"),
+        (lambda s: (s.section('below'), s.finish()), 7, "unknown key 'deep'"),
+        (lambda s: ([*s.sections('rows')], s.finish()), 9, "unknown key 'a'"),
     ],
 )
 def test_a_wrong_value_is_reported_with_its_line(

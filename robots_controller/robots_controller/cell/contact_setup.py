@@ -74,8 +74,7 @@ def read_contact(path: Path | str) -> ContactSetup:
         control=_control(control),
         **{name: _output(outputs, name) for name in ('load', 'speed', 'slip')},
     )
-    for part in (wheel, bed, control, outputs, section):
-        part.finish()
+    section.finish()
     wheel.checked(setup.contact)
     return setup
 

@@ -135,7 +135,7 @@ def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
     settings = tuple(_setting(below, key, signals) for below, key in item.entries('set'))
     if not settings:
         raise item.missing('set', 'the inputs to set and their values')
-    rule = PlcRule(
+    return PlcRule(
         event=event,
         period=period,
         conditions=conditions,
@@ -144,8 +144,6 @@ def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
         duration=item.number('for', low=SHORTEST_PERIOD, high=LONGEST_TIME) if 'for' in item else math.inf,
         line=item.line,
     )
-    item.finish()
-    return rule
 
 
 def _trigger(item: YamlSection, signals: Mapping[str, Channel]) -> tuple[Comparison | None, float]:

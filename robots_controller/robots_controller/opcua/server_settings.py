@@ -122,7 +122,6 @@ def _user(below: YamlSection, name: str) -> ServerUser:
         raise entry.error(f'user {name} needs one of password_file and certificate')
     if user.password_file and not read_password(user.password_file):
         raise entry.error(f'the first line of {user.password_file} is empty', 'password_file')
-    entry.finish()
     return user
 
 
@@ -142,8 +141,6 @@ def _nameplate(section: YamlSection) -> Nameplate:
     entry = section.section('nameplate')
     if entry is None:
         return Nameplate()
-    plate = Nameplate(
+    return Nameplate(
         *(entry.text(key, '') for key in ('manufacturer', 'model', 'serial_number', 'product_code'))
     )
-    entry.finish()
-    return plate

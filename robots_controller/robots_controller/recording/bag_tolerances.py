@@ -92,15 +92,13 @@ def read_tolerances(path: Path | str) -> BagTolerances:
 def _tolerance(section: YamlSection, default: TopicTolerance) -> TopicTolerance:
     modes: dict[str, Mode] = {mode: mode for mode in get_args(Mode)}
     fields = tuple((path, _field(below, path)) for below, path in section.entries('fields'))
-    tolerance = TopicTolerance(
+    return TopicTolerance(
         mode=modes[section.text('mode', default.mode, among=modes)],
         time=section.number('time', default.time, low=0.0, high=LONGEST_TIME),
         absolute=section.number('absolute', default.absolute, low=0.0),
         relative=section.number('relative', default.relative, low=0.0),
         fields=default.fields + fields,
     )
-    section.finish()
-    return tolerance
 
 
 def _field(section: YamlSection, path: str) -> float | None:

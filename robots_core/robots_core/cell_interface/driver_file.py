@@ -95,8 +95,6 @@ def read_driver(path: Path | str) -> Driver:
         action=action,
         primitives=primitives,
     )
-    if scaling is not None:
-        scaling.finish()
     section.finish()
     return driver
 
@@ -107,11 +105,9 @@ def _action(section: YamlSection) -> DriverActionSettings | None:
         return None
     if 'trajectory' in section:
         raise section.error('either the topic `trajectory` or the `action` is used, not both', 'trajectory')
-    found = DriverActionSettings(
+    return DriverActionSettings(
         _topic(action, 'name'), action.number('period', PERIOD, low=PERIODS[0], high=PERIODS[1])
     )
-    action.finish()
-    return found
 
 
 def _primitives(section: YamlSection) -> PrimitiveSettings | None:
@@ -123,9 +119,7 @@ def _primitives(section: YamlSection) -> PrimitiveSettings | None:
             raise section.error(
                 f'{key} is of drivers that take trajectories; with `primitives` it has no use', key
             )
-    found = PrimitiveSettings(_topic(primitives, 'name'), primitives.text('frame', BASE_FRAME))
-    primitives.finish()
-    return found
+    return PrimitiveSettings(_topic(primitives, 'name'), primitives.text('frame', BASE_FRAME))
 
 
 def _topic(section: YamlSection, key: str, default: str | None = None) -> str:

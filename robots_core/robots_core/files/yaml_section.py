@@ -46,6 +46,7 @@ class YamlSection:
         self.line = node.start_mark.line + 1
         self._nodes: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         self._read: list[str] = []
+        self._below: list[YamlSection] = []
         for key, value in node.value:
             name = str(key.value)
             if name in self._nodes:
@@ -228,7 +229,7 @@ class YamlSection:
         return [(yaml_value(item, self.file), item.start_mark.line + 1) for item in items]
 
     def finish(self, valid: Collection[str] = ()) -> None:
-        """Refuse keys that were not read.
+        """Refuse keys that were not read, here and in the mappings below.
 
         Args:
             valid: Further keys that the message names.
@@ -236,6 +237,8 @@ class YamlSection:
         Raises:
             InvalidInputError: there is one.
         """
+        for below in self._below:
+            below.finish()
         for key in self._nodes:
             if key not in self._read:
                 known = list(dict.fromkeys([*self._read, *valid]))
@@ -268,7 +271,8 @@ class YamlSection:
     def _section(self, node: yaml.Node, what: str) -> YamlSection:
         if not isinstance(node, yaml.MappingNode):
             raise self.error(f'{what} must be a mapping (key: value)', node=node)
-        return YamlSection(self.file, node)
+        self._below.append(YamlSection(self.file, node))
+        return self._below[-1]
 
 
 def read_yaml(path: Path | str) -> YamlSection:

@@ -96,10 +96,8 @@ def _qos(item: YamlSection) -> TopicQos:
     section = item.section('qos')
     if section is None:
         return TopicQos()
-    qos = TopicQos(
+    return TopicQos(
         section.text('reliability', RELIABILITIES[0], among=RELIABILITIES),
         section.text('durability', DURABILITIES[0], among=DURABILITIES),
         section.whole('depth', 10, low=1, high=1000),
     )
-    section.finish()
-    return qos

@@ -36,7 +36,6 @@ def read_servers(section: YamlSection) -> dict[str, PlantServer]:
                 raise below.error(f'{name} needs a name and settings for each server', server)
             port = f'{name} {server}'
             servers[port] = protocol.read(entry, port)
-            entry.finish()
     return servers
 
 
@@ -59,6 +58,4 @@ def read_plant_place(
     if not own:
         raise item.error(f'there is no server below {name} at the top of the file', name)
     server = servers[f'{name} {below.text("server", own[0] if len(own) == 1 else None, among=own)}']
-    place = server.read_place(below, channel)
-    below.finish()
-    return place, server
+    return server.read_place(below, channel), server

@@ -80,7 +80,6 @@ def _geometry(item: YamlSection, kind: str, folder: Path) -> Geometry:
         make, keys = ROUND[kind]
         numbers = {key: parts.number(key) for key in keys}
         geometry = parts.checked(lambda: make(**numbers))
-    parts.finish()
     return geometry
 
 

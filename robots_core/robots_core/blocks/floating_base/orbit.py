@@ -124,9 +124,7 @@ def read_orbit(path: Path | str) -> Orbit:
 
 def _numbers(section: YamlSection, *keys: str) -> dict[str, float]:
     """Numbers above zero."""
-    numbers = {key: section.number(key, low=1e-6, high=1e6) for key in keys}
-    section.finish()
-    return numbers
+    return {key: section.number(key, low=1e-6, high=1e6) for key in keys}
 
 
 def _vector(section: YamlSection, key: str, size: int = 3) -> Array:
@@ -142,7 +140,7 @@ def _target(section: YamlSection) -> Target:
     body = section.made('body', lambda values: payload_of(values if isinstance(values, list) else (), 'body'))
     if not (body.mass > 0.0 and np.linalg.eigvalsh(body.inertia)[0] > 0.0):
         raise section.error('body needs a mass and three moments of inertia above 0', 'body')
-    target = Target(
+    return Target(
         body,
         read_pose(section.section('pose')),
         _vector(section, 'velocity'),
@@ -150,5 +148,3 @@ def _target(section: YamlSection) -> Target:
         read_pose(section.section('ring')),
         section.number('radius', low=0.0, high=100.0),
     )
-    section.finish()
-    return target

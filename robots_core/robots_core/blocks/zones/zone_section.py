@@ -43,7 +43,6 @@ def read_zone(item: YamlSection, lines: dict[str, int]) -> Zone:
 def _box(item: YamlSection) -> PlacedBox:
     parts = item.needed_section('box')
     box = parts.made('size', lambda size: Box(tuple(finite_vector(size, 3, 'size').tolist())))
-    parts.finish()
     return PlacedBox(box, read_pose(item.section('pose')))
 
 
@@ -51,7 +50,6 @@ def _plane(item: YamlSection) -> HalfSpace:
     parts = item.needed_section('plane')
     point = parts.made('point', lambda value: finite_vector(value, 3, 'point'))
     normal = parts.made('normal', lambda value: finite_vector(value, 3, 'normal'))
-    parts.finish()
     return parts.checked(lambda: HalfSpace(point, normal))
 
 
@@ -61,9 +59,7 @@ def _closed_by(item: YamlSection) -> dict[str, bool]:
         return {}
     if not parts.keys:
         raise parts.error('closed_by names no input; without closed_by the zone is always closed')
-    found = {key: parts.switch(key) for key in parts.keys}
-    parts.finish()
-    return found
+    return {key: parts.switch(key) for key in parts.keys}
 
 
 def _shared_with(item: YamlSection) -> tuple[str, ...]:
