@@ -27,8 +27,8 @@ AXES = ROBOT.axes_data
 NAMES = list(AXES.names)
 # Elbow and wrist bent: a cabin moves about here in all six directions.
 CABIN = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
-DT = 0.004
-RATE = 100.0  # Hz, of the reference
+RATE = 100.0  # Hz, of the recorded motion and the references
+DT = 1.0 / RATE
 SINES = 4.0  # s
 DURATION, REST = 8.0, 1.5  # s
 RECORDED_AT = 1_600_000_000.0  # s: stamps of a day long past
@@ -95,7 +95,7 @@ def rows(messages: list[JointTrajectory]) -> tuple[np.ndarray, np.ndarray]:
 def check_limits(values: np.ndarray) -> None:
     """Positions, velocities and accelerations, as stated and as differences of the positions."""
     q, q_dot, q_ddot = values[:, 0], values[:, 1], values[:, 2]
-    within = 1.0 + 1e-5  # second differences of positions over (4 ms)^2 round to 1e-9 rad/s^2 of 1 rad/s^2
+    within = 1.0 + 1e-5  # second differences of positions over (10 ms)^2 round to 1e-9 rad/s^2 of 1 rad/s^2
     assert (q >= AXES.lower - 1e-9).all()
     assert (q <= AXES.upper + 1e-9).all()
     assert (np.abs(q_dot) <= AXES.velocity * within).all()
@@ -107,7 +107,7 @@ def check_limits(values: np.ndarray) -> None:
 def test_vehicle_motion_is_followed_inside_all_limits(ros_nodes: Any, tmp_path: Path) -> None:
     write_bag(tmp_path / 'bag')
     plan = replay_plan(read_bag(tmp_path / 'bag'))
-    robot = {'robot_model': ROBOT.name, 'lockstep': True}
+    robot = {'robot_model': ROBOT.name, 'rate': RATE, 'lockstep': True}
     with (
         node_process('robots_core', 'drive_node', initial_position=CABIN.tolist(), **robot),
         node_process('robots_controller', 'controller_node', **robot),

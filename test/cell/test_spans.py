@@ -21,11 +21,12 @@ from short_programs import PROGRAMS, SHORTEST, short_copy
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
 # Each program once: that all levels of drives have the references of a cell that steps is a law of parity.
+RATE = '100'  # Hz, of the references
 CASES = list(zip([*NAMES, *LANGUAGE], cycle(DRIVE_LEVELS), strict=False))
 
 
 def run(program: Path, drive: str, bag: Path, longest_span: int) -> SimulationRun:
-    options = parse_options([str(program), '--drive', drive])
+    options = parse_options([str(program), '--drive', drive, '--rate', RATE])
     parts = cell_parts(program, **{name: getattr(options, name) for name in CELL_OPTIONS if name != 'drive'})
     return SimulatedCell(
         parts, drive=drive, bag=bag, longest=options.longest, longest_span=longest_span
