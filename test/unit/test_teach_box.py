@@ -163,7 +163,7 @@ def test_bad_input_is_refused(robot: BaseRobotModel, posture: np.ndarray) -> Non
         box.jog_axes([0.0], 0.0)
     with pytest.raises(InvalidInputError, match='nan'):
         box.jog_tool([np.nan] * 6, 0.0)
-    with pytest.raises(InvalidInputError, match="'flange' is unknown; valid are base, base_link, tool and world"):
+    with pytest.raises(InvalidInputError, match='valid are base, base_link, tool and world'):
         box.jog_tool([0.0] * 6, 0.0, 'flange')  # type: ignore[arg-type]
     with pytest.raises(JointLimitError):
         TeachBox(robot, DT, np.full(6, 9.0))
