@@ -26,8 +26,6 @@ from robots_core.errors import InvalidInputError
 from robots_core.free_port import free_port
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
-PORTS: Final = (1, 65535)
-
 
 class RobotServer:
     """Listens until it is closed.
@@ -38,7 +36,7 @@ class RobotServer:
         settings: Who may do what.
         programs: Folder of the robot programs that clients may load.
         host: Address to listen at.
-        tcp_port: Port there, 1..65535.
+        tcp_port: Port there.
         log: Gets what is to be logged, in any thread.
 
     Raises:
@@ -57,9 +55,6 @@ class RobotServer:
         tcp_port: int,
         log: Callable[[str], object],
     ) -> None:
-        low, high = PORTS
-        if not low <= tcp_port <= high:
-            raise InvalidInputError(f'port = {tcp_port} must be in [{low}, {high}]', port=tcp_port)
         settings.check_host(host)
         if (free := free_port(host, tcp_port)) != tcp_port:
             raise InvalidInputError(

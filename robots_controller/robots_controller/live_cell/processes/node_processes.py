@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import select
 import signal
 import sys
 import threading
@@ -12,7 +11,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from multiprocessing import parent_process
+from multiprocessing import connection, parent_process
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 from types import MappingProxyType
@@ -90,11 +89,7 @@ class NodeProcess:
 
     def wait(self, timeout: float) -> bool:
         """Wait at most `timeout` (s) for its end; returns whether it has ended."""
-        if self._pidfd is None:
-            return True
-        ended = select.poll()
-        ended.register(self._pidfd, select.POLLIN)
-        return bool(ended.poll(1e3 * timeout))
+        return self._pidfd is None or bool(connection.wait([self._pidfd], timeout))
 
 
 class NodeProcesses:

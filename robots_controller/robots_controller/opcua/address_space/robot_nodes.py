@@ -76,7 +76,6 @@ class RobotNodes:
         self._programs = ProgramNodes(self._made, f'{controller}/Programs', programs)
         self._task = TaskNodes(self._made, f'{controller}/TaskControls/TaskControl', self._programs, control)
         self.channels: Final = ChannelNodes(self._made, f'{controller}/Components/InputsAndOutputs')
-        self._payload: Payload | None = None
 
     async def build(self) -> None:
         """Add all nodes but those of inputs and outputs, which are added when they are known."""
@@ -183,9 +182,6 @@ class RobotNodes:
         await made.writer.refer(made.id(axis), 'Requires', train)
 
     async def _write_load(self, payload: Payload) -> None:
-        if payload is self._payload:
-            return
-        self._payload = payload
         center = ua.ThreeDCartesianCoordinates(*payload.center.tolist())
         values = {'Mass': payload.mass, 'CenterOfMass': ua.ThreeDFrame(CartesianCoordinates=center)}
         await self._made.write_all(f'{self._device}/FlangeLoad', values)

@@ -137,21 +137,12 @@ class ModbusLink:
 
     def _write(self, places: Sequence[ModbusPlace], values: Mapping[Any, Number]) -> str:
         """Write neighbours; why they are refused, '' if they are not."""
-        first, address, unit = places[0], places[0].address, places[0].unit
-        client = self._client
+        first = places[0]
+        held: list[Any] = [one for place in places for one in _held(place, values[place])]
+        several = len(held) > 1
+        write = getattr(self._client, f'write_{first.table.removeprefix("holding_")}{"s" * several}')
         with self._answering():
-            if first.table == 'coil':
-                bits = [bool(values[place]) for place in places]
-                if len(bits) == 1:
-                    answer = client.write_coil(address, bits[0], device_id=unit)
-                else:
-                    answer = client.write_coils(address, bits, device_id=unit)
-            else:
-                words = [word for place in places for word in encoded(place, values[place])]
-                if len(words) == 1:
-                    answer = client.write_register(address, words[0], device_id=unit)
-                else:
-                    answer = client.write_registers(address, words, device_id=unit)
+            answer = write(first.address, held if several else held[0], device_id=first.unit)
         return _reason(answer) if answer.isError() else ''
 
     def _check_open(self) -> None:
@@ -173,6 +164,10 @@ class ModbusLink:
         except (self._modbus_error, OSError) as error:
             lost = 'no answer within' if 'No response' in str(error) else 'connection lost, response timeout'
             raise LinkError(f'{lost} {self._server.response_timeout:g} s') from error
+
+
+def _held(place: ModbusPlace, value: Number) -> list[Any]:
+    return [bool(value)] if place.table == 'coil' else encoded(place, value)
 
 
 def encoded(place: ModbusPlace, value: Number) -> list[int]:

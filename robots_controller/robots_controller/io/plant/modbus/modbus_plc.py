@@ -53,18 +53,13 @@ class ModbusPlc:
         simulator = library('pymodbus.simulator', 'pymodbus', 'modbus')
         kinds = simulator.DataType
 
-        def table(image: str, kind: Any) -> list[Any]:
-            words = WORDS if image.startswith('analog') else 1
-            empty = False if kind is kinds.BITS else 0
-            count = words * self._sizes[image]
-            return [simulator.SimData(0, count=count, values=empty, datatype=kind)]
+        def table(image: str) -> list[Any]:
+            size = self._sizes[image]
+            if image.startswith('digital'):
+                return [simulator.SimData(0, count=size, values=False, datatype=kinds.BITS)]
+            return [simulator.SimData(0, count=WORDS * size, values=0, datatype=kinds.REGISTERS)]
 
-        tables = (
-            table('digital_outputs', kinds.BITS),
-            table('digital_inputs', kinds.BITS),
-            table('analog_outputs', kinds.REGISTERS),
-            table('analog_inputs', kinds.REGISTERS),
-        )
+        tables = tuple(map(table, ('digital_outputs', 'digital_inputs', 'analog_outputs', 'analog_inputs')))
         device = simulator.SimDevice(0, simdata=tables, action=self._on_request)  # of any unit
         server = server_type(device, address=(HOST, port))
         await server.serve_forever(background=True)
