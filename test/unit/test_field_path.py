@@ -35,22 +35,9 @@ def test_what_is_set_is_read_again_and_nothing_else_changes(text: str):
     assert changed == message()
 
 
-@pytest.mark.parametrize(
-    ('text', 'problem'),
-    [
-        ('data[3]', r'data has 3 elements; data\[3\] needs 4'),
-        ('pose[0]', r'pose is no array; pose\[0\] needs one'),
-        ('pose.y', "pose has no field 'y', which pose.y needs"),
-        ('x', "the message has no field 'x'"),
-    ],
-)
-def test_what_is_not_there_is_reported(text: str, problem: str):
-    for use in (
-        lambda p: p.get(message()),
-        lambda p: p.set(message(), 1) if '[' in text else p.get(message()),
-    ):
-        with pytest.raises(InvalidInputError, match=problem):
-            use(FieldPath.parse(text))
+def test_an_array_that_is_too_short_is_reported():
+    with pytest.raises(InvalidInputError, match=r'data has 3 elements; data\[3\] needs 4'):
+        FieldPath.parse('data[3]').get(message())
 
 
 @pytest.mark.parametrize(

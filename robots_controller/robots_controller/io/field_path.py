@@ -8,7 +8,9 @@ from typing import Any, Final
 
 from robots_core.errors import InvalidInputError
 
-_STEP: Final = re.compile(r'\.?([A-Za-z_][A-Za-z0-9_]*)|\[(\d{1,6})\]')
+_NAME: Final = '[A-Za-z_][A-Za-z0-9_]*'
+_PATH: Final = re.compile(rf'{_NAME}(\.{_NAME}|\[[0-9]{{1,6}}\])*')
+_STEP: Final = re.compile(rf'({_NAME})|\[([0-9]+)\]')
 
 
 @dataclass(frozen=True)
@@ -30,63 +32,38 @@ class FieldPath:
         Raises:
             InvalidInputError: not a path.
         """
-        steps: list[str | int] = []
-        position = 0
-        while match := _STEP.match(text, position):
-            if not steps and match.group(0)[0] in '.[':
-                break
-            if steps and match[1] and match.group(0)[0] != '.':
-                break
-            steps.append(match[1] or int(match[2]))
-            position = match.end()
-        if not steps or position != len(text):
+        if not _PATH.fullmatch(text):
             raise InvalidInputError(
                 f'{text!r} is no path of a field; paths are like data, data[2] or pose.position.x'
             )
-        return cls(text, tuple(steps))
+        return cls(text, tuple(name or int(index) for name, index in _STEP.findall(text)))
 
     def get(self, message: Any) -> Any:
-        """The value in a message.
+        """The value in a message, whose type has the field.
 
         Raises:
-            InvalidInputError: the message has no such field or element.
+            InvalidInputError: an array of the message is too short.
         """
         value = message
         for depth, step in enumerate(self.steps):
-            value = self._step(value, step, depth)
+            if isinstance(step, str):
+                value = getattr(value, step)
+            elif step < len(value):
+                value = value[step]
+            else:
+                raise InvalidInputError(
+                    f'{self.up_to(depth)} has {len(value)} elements; {self.text} needs {step + 1}'
+                )
         return value
 
     def set(self, message: Any, value: float) -> None:
-        """Set the value in a message.
-
-        Raises:
-            InvalidInputError: the message has no such field or element.
-        """
+        """Set the value in a message that has the place; see `make_room`."""
         *outer, last = self.steps
-        holder = message
-        for depth, step in enumerate(outer):
-            holder = self._step(holder, step, depth)
-        self._step(holder, last, len(outer))
+        holder = FieldPath(self.text, tuple(outer)).get(message)
         if isinstance(last, int):
             holder[last] = value
         else:
             setattr(holder, last, value)
-
-    def _step(self, value: Any, step: str | int, depth: int) -> Any:
-        if isinstance(step, int):
-            try:
-                return value[step]
-            except IndexError:
-                raise InvalidInputError(
-                    f'{self.up_to(depth)} has {len(value)} elements; {self.text} needs {step + 1}'
-                ) from None
-            except TypeError:
-                raise InvalidInputError(f'{self.up_to(depth)} is no array; {self.text} needs one') from None
-        try:
-            return getattr(value, step)
-        except AttributeError:
-            where = self.up_to(depth) or 'the message'
-            raise InvalidInputError(f'{where} has no field {step!r}, which {self.text} needs') from None
 
     def up_to(self, depth: int) -> str:
         """The text of the first steps."""

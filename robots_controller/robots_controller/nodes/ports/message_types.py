@@ -4,14 +4,12 @@ import re
 from typing import Any, Final
 
 from robots_controller.io.field_path import FieldPath
+from robots_controller.io.number_kinds import INTEGERS
 from robots_core.errors import InvalidInputError
 from robots_core.ros.message_class import message_class
 
 _ARRAY: Final = re.compile(r'sequence<(?P<listed>[^,]+)(, \d+)?>|(?P<fixed>[^\[]+)\[\d+\]')
-NUMBERS: Final = (
-    *('boolean', 'float', 'double'),
-    *('int8', 'int16', 'int32', 'int64', 'uint8', 'uint16', 'uint32', 'uint64'),
-)
+NUMBERS: Final = ('boolean', 'float', 'double', *INTEGERS)
 
 
 def number_type(kind: Any, path: FieldPath) -> str:
