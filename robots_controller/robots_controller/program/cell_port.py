@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from robots_controller.program.clock import Clock, WallClock
+from robots_controller.program.clock import Clock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_robot import ProgramRobot
 from robots_core.blocks.following.guide import Guide
@@ -88,7 +88,7 @@ class DetachedCell(CellPort):
     Requests and reports have no effect: those of the port itself, whose bodies are empty.
     """
 
-    clock = WallClock()
+    clock = Clock()
     payload = NOTHING
     simulated = False
 
