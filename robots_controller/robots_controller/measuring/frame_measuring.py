@@ -118,11 +118,6 @@ class FrameMeasuring:
 
     # -- the file -----------------------------------------------------------------------------------------
 
-    @staticmethod
-    def frames(file: Path) -> CellFrames:
-        """Tools and bases of a file; see `read_frames`."""
-        return read_frames(file)
-
     def save_tool(self, file: Path, name: str, axis: Axis) -> None:
         """Save the tool; a payload that the file has for it stays.
 

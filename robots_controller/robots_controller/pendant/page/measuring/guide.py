@@ -12,7 +12,7 @@ from nicegui import ui
 from robots_controller.pendant.page.elements import Changes, mark, show_text
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
-from robots_controller.program.files.cell_frames import CellFrames, FrameKind
+from robots_controller.program.files.cell_frames import CellFrames, FrameKind, read_frames
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
@@ -81,7 +81,7 @@ class Guide(Part, ABC):
 
     def _read(self, file: Path) -> CellFrames:
         try:
-            return self.operator.measuring.frames(file)
+            return read_frames(file)
         except RobotsError as error:
             self.line.show(self.text.error(error))
             return CellFrames()
