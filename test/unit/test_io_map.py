@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.io.bridge.topic_field import TopicField, TopicQos
+from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.io_map import IoRow, parse_io_map, read_io_map
+from robots_core.cell_interface.topic_qos import Profile
 from robots_core.errors import InvalidInputError
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
@@ -47,8 +48,8 @@ def test_the_example_of_tags():
         *('press_ready', 'press_closed', 'part_present', 'press_force')
     ]
     assert io_map.inputs[1].fail_safe == 1.0
-    assert fields(io_map.inputs[3]).qos == TopicQos(reliability='best_effort')
-    assert fields(io_map.outputs[0]).qos == TopicQos(durability='transient_local', depth=1)
+    assert fields(io_map.inputs[3]).qos == Profile('', '', depth=10, reliable=False)
+    assert fields(io_map.outputs[0]).qos == Profile('', '', depth=1, latched=True)
 
 
 def test_the_example_of_a_plant_which_a_lock_step_run_refuses():

@@ -13,7 +13,8 @@ from robots_core.cell_interface.topic_qos import Profile, topic_qos
 EVERY_MESSAGE_DEPTH: Final = 100
 
 
-def _rclpy_profile(profile: Profile) -> QoSProfile:
+def rclpy_profile(profile: Profile) -> QoSProfile:
+    """A profile as rclpy has it."""
     return QoSProfile(
         depth=profile.depth,
         reliability=ReliabilityPolicy.RELIABLE if profile.reliable else ReliabilityPolicy.BEST_EFFORT,
@@ -21,7 +22,7 @@ def _rclpy_profile(profile: Profile) -> QoSProfile:
     )
 
 
-_RCLPY: Final = {profile: _rclpy_profile(profile) for profile in table.PROFILES}
+_RCLPY: Final = {profile: rclpy_profile(profile) for profile in table.PROFILES}
 
 # For topics of others, which the table does not have.
 STATE: Final = _RCLPY[table.STATE]
@@ -43,7 +44,7 @@ def polled_qos(topic: str) -> QoSProfile:
 def every_message(topic: str) -> QoSProfile:
     """Of a subscription that shows all that happens, also what is latched from before."""
     latched = topic_qos(topic).published.latched
-    return _rclpy_profile(Profile('', '', depth=EVERY_MESSAGE_DEPTH, latched=latched))
+    return rclpy_profile(Profile('', '', depth=EVERY_MESSAGE_DEPTH, latched=latched))
 
 
 def make_publisher(node: Node, message_type: Any, topic: str) -> Any:

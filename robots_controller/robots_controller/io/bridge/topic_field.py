@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.field_path import FieldPath
+from robots_core.cell_interface.topic_qos import Profile
 from robots_core.errors import InvalidInputError
 from robots_core.files.yaml_section import YamlSection
 
@@ -22,15 +23,7 @@ STD_TYPES: Final = (
 # As in ROS, the defaults first.
 RELIABILITIES: Final = ('reliable', 'best_effort')
 DURABILITIES: Final = ('volatile', 'transient_local')
-
-
-@dataclass(frozen=True)
-class TopicQos:
-    """Quality of service of an external topic."""
-
-    reliability: str = RELIABILITIES[0]
-    durability: str = DURABILITIES[0]
-    depth: int = 10
+DEFAULT_QOS: Final = Profile('', '', depth=10)
 
 
 @dataclass(frozen=True)
@@ -45,7 +38,7 @@ class TopicField(Place):
 
     type: str
     path: FieldPath
-    qos: TopicQos = field(default_factory=TopicQos)
+    qos: Profile = DEFAULT_QOS
 
     @property
     def text(self) -> str:
@@ -92,12 +85,11 @@ def _path(item: YamlSection) -> FieldPath:
         raise item.error(error.message, 'field') from None
 
 
-def _qos(item: YamlSection) -> TopicQos:
+def _qos(item: YamlSection) -> Profile:
     section = item.section('qos')
     if section is None:
-        return TopicQos()
-    return TopicQos(
-        section.text('reliability', RELIABILITIES[0], among=RELIABILITIES),
-        section.text('durability', DURABILITIES[0], among=DURABILITIES),
-        section.whole('depth', 10, low=1, high=1000),
-    )
+        return DEFAULT_QOS
+    reliability = section.text('reliability', RELIABILITIES[0], among=RELIABILITIES)
+    durability = section.text('durability', DURABILITIES[0], among=DURABILITIES)
+    depth = section.whole('depth', DEFAULT_QOS.depth, low=1, high=1000)
+    return Profile('', '', depth, reliability == RELIABILITIES[0], durability != DURABILITIES[0])

@@ -7,14 +7,14 @@ from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
-from robots_controller.io.bridge.topic_field import TopicField, TopicQos
+from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.io_map import IoRow, check_bit
 from robots_controller.nodes.ports.message_types import make_room, number_type
 from robots_core.errors import InvalidInputError
 from robots_core.ros.message_class import message_class
+from robots_core.ros.qos import rclpy_profile
 from robots_core.ros.robot_node import RobotNode
 
 
@@ -49,7 +49,9 @@ class InputTopic(_Topic):
         self._on_arrival = on_arrival
         self._arrivals: list[Arrival] = []
         place = rows[0][1]
-        node.create_subscription(message_class(place.type), place.port, self._on_message, _qos(place.qos))
+        node.create_subscription(
+            message_class(place.type), place.port, self._on_message, rclpy_profile(place.qos)
+        )
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call."""
@@ -91,7 +93,7 @@ class OutputTopic(_Topic):
         self._publisher = node.create_publisher(
             type(self._message),
             place.port,
-            _qos(place.qos),
+            rclpy_profile(place.qos),
             event_callbacks=PublisherEventCallbacks(matched=self._on_matched),
         )
 
@@ -137,11 +139,3 @@ def _kind(row: IoRow, place: TopicField) -> str:
     except InvalidInputError as error:
         raise row.error(error.message) from None
     return found
-
-
-def _qos(qos: TopicQos) -> QoSProfile:
-    return QoSProfile(
-        depth=qos.depth,
-        reliability=ReliabilityPolicy[qos.reliability.upper()],
-        durability=DurabilityPolicy[qos.durability.upper()],
-    )
