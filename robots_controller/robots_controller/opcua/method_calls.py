@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 from asyncua import ua
+
+MISMATCH: Final = ua.StatusCodes.BadTypeMismatch
 
 
 def wrong_arguments(kinds: Sequence[ua.VariantType], given: Sequence[ua.Variant]) -> Any:
@@ -19,12 +21,11 @@ def wrong_arguments(kinds: Sequence[ua.VariantType], given: Sequence[ua.Variant]
         missing = len(given) < len(kinds)
         codes = ua.StatusCodes
         return ua.StatusCode(codes.BadArgumentsMissing if missing else codes.BadTooManyArguments)
-    if all(_is(one, kind) for one, kind in zip(given, kinds, strict=True)):
-        return None
-    return _invalid(
-        0 if _is(one, kind) else ua.StatusCodes.BadTypeMismatch
+    codes = [
+        0 if one.VariantType is kind and one.Value is not None and not one.is_array else MISMATCH
         for one, kind in zip(given, kinds, strict=True)
-    )
+    ]
+    return _invalid(codes) if any(codes) else None
 
 
 def out_of_range(count: int) -> ua.CallMethodResult:
@@ -44,7 +45,3 @@ def _invalid(codes: Any) -> ua.CallMethodResult:
     result.InputArgumentResults = [ua.StatusCode(code) for code in codes]
     result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
     return result
-
-
-def _is(given: ua.Variant, kind: ua.VariantType) -> bool:
-    return given.VariantType is kind and given.Value is not None and not given.is_array

@@ -9,8 +9,7 @@ from typing import Final
 from robots_controller.io.plant.credentials import checked_file, existing_file, read_password
 from robots_controller.io.plant.opcua.opcua_map import POLICIES
 from robots_core.errors import InvalidInputError
-from robots_core.files.user_file import read_text
-from robots_core.files.yaml_section import YamlSection, parse_yaml
+from robots_core.files.yaml_section import YamlSection, read_yaml
 
 SECURITY: Final = tuple(policy for policy in POLICIES if policy != 'none')
 """Policies that encrypt."""
@@ -86,7 +85,7 @@ def read_server_settings(path: Path | str) -> ServerSettings:
     Raises:
         InvalidInputError: what is wrong, with file and line.
     """
-    section = parse_yaml(read_text(path), Path(path).name)
+    section = read_yaml(path)
     users = tuple(_user(below, name) for below, name in section.entries('users'))
     certificate, key = existing_file(section, 'certificate'), existing_file(section, 'key')
     if bool(certificate) != bool(key):
@@ -101,7 +100,7 @@ def read_server_settings(path: Path | str) -> ServerSettings:
         certificate,
         key,
         _security(section) if certificate else (),
-        _trusted(section),
+        tuple(checked_file(section, 'trusted', text) for text, _ in section.texts('trusted')),
         _nameplate(section),
     )
     section.finish()
@@ -131,10 +130,6 @@ def _security(section: YamlSection) -> tuple[str, ...]:
         if text not in SECURITY:
             raise section.error(f'unknown security {text!r}; valid are {", ".join(SECURITY)}', 'security')
     return tuple(text for text, _ in found) or SECURITY
-
-
-def _trusted(section: YamlSection) -> tuple[str, ...]:
-    return tuple(checked_file(section, 'trusted', text) for text, _ in section.texts('trusted'))
 
 
 def _nameplate(section: YamlSection) -> Nameplate:
