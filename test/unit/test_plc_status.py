@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from robots_controller.io.io_image import Channel
-from robots_controller.io.scripted_plc import PendingChange
+from robots_controller.io.scripted_plc import Pending
 from robots_controller.nodes.ports.plc_status import pending_as_text, pending_from_text
 from robots_core.errors import InvalidInputError
 
 
 def test_changes_come_back_on_the_clock_of_the_reader() -> None:
-    changes = (PendingChange(2.5, 7, ((Channel('digital', 'input', 3), 1.0),)), PendingChange(4.0, 9, ()))
+    changes: Pending = ((2.5, 7, {'digital_input.3': 1.0}), (4.0, 9, {}))
     text = pending_as_text(changes, 100.0)
     assert pending_from_text(text, 101.0) == ((1.5, 7, {'digital_input.3': 1.0}), (3.0, 9, {}))
 

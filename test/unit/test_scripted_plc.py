@@ -60,11 +60,8 @@ def test_what_is_due_is_reported_with_its_rule():
     assert pending(machine) == [back, every]
 
 
-def pending(machine: ScriptedPlc) -> list[tuple[float, int, dict[str, float]]]:
-    return [
-        (round(one.time, 9), one.line, {channel.name: value for channel, value in one.settings})
-        for one in machine.pending
-    ]
+def pending(machine: ScriptedPlc) -> list[tuple[float, int, Mapping[str, float]]]:
+    return [(round(time, 9), line, inputs) for time, line, inputs in machine.pending]
 
 
 def test_rules_of_inputs_follow_each_other_without_losing_time():

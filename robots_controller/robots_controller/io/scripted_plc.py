@@ -29,19 +29,8 @@ class InputChange:
     value: float
 
 
-@dataclass(frozen=True)
-class PendingChange:
-    """What the PLC will do by itself, unless outputs change that.
-
-    Attributes:
-        time: When, s.
-        line: The rule's line.
-        settings: Inputs and their new values.
-    """
-
-    time: float
-    line: int
-    settings: tuple[tuple[Channel, float], ...]
+Pending = tuple[tuple[float, int, Mapping[str, float]], ...]
+"""When (s), the line of the rule, and inputs by name with their new values."""
 
 
 @dataclass(frozen=True)
@@ -92,14 +81,15 @@ class ScriptedPlc:
         return self._due[0][0] if self._due else math.inf
 
     @property
-    def pending(self) -> tuple[PendingChange, ...]:
-        """What is due, in the order of time."""
+    def pending(self) -> Pending:
+        """What the PLC will do by itself, unless outputs change that, in the order of time."""
         found = []
         for time, _, due in self._due:
-            rule = due.rule
-            when = time if due.settings else time + rule.after
-            found.append(PendingChange(when, rule.line, due.settings or rule.settings))
-        return tuple(sorted(found, key=lambda one: one.time))
+            when, settings = (
+                (time, due.settings) if due.settings else (time + due.rule.after, due.rule.settings)
+            )
+            found.append((when, due.rule.line, {channel.name: value for channel, value in settings}))
+        return tuple(sorted(found, key=lambda one: one[0]))
 
     def output(self, name: str, value: float) -> None:
         """Take the value of an output such as 'digital_output.1'; outputs of no rule are ignored."""

@@ -2,26 +2,18 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from robots_controller.io.scripted_plc import PendingChange
+from robots_controller.io.scripted_plc import Pending
 from robots_core.errors import InvalidInputError
 
 SHOWN = 60  # characters of a text that is refused
 
-Pending = tuple[tuple[float, int, Mapping[str, float]], ...]
-"""When (s), the line of the rule, and inputs by name with their new values."""
 
-
-def pending_as_text(changes: Sequence[PendingChange], start: float) -> str:
+def pending_as_text(changes: Pending, start: float) -> str:
     """Changes as JSON; `start` is when their clock was 0 s, on the clock of the message."""
-    return json.dumps(
-        [
-            [start + one.time, one.line, {channel.name: value for channel, value in one.settings}]
-            for one in changes
-        ]
-    )
+    return json.dumps([[start + time, line, inputs] for time, line, inputs in changes])
 
 
 def pending_from_text(text: str, start: float) -> Pending:
