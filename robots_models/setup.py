@@ -14,6 +14,15 @@ def robot_files() -> list[str]:
     return [str(file.relative_to(root)) for file in sorted(root.rglob('*')) if file.suffix in kinds]
 
 
+def robots() -> list[str]:
+    """The entry point of each robot: the class in its folder, `Ur5e` in `ur5e`."""
+    names = sorted(file.parent.name for file in Path(package_name).glob('*/model.py'))
+    return [
+        f'{name} = {package_name}.{name}.model:{"".join(map(str.capitalize, name.split("_")))}'
+        for name in names
+    ]
+
+
 setup(
     name=package_name,
     version='0.1.0',
@@ -30,25 +39,5 @@ setup(
     maintainer_email='maintainers@robots.example',
     description='Robots: one folder is one replaceable robot.',
     license='Apache-2.0',
-    entry_points={
-        'robots_core.robot_models': [
-            'bello_bot = robots_models.bello_bot.model:BelloBot',
-            'cello_bot = robots_models.cello_bot.model:CelloBot',
-            'debris_arm = robots_models.debris_arm.model:DebrisArm',
-            'franka_fr3 = robots_models.franka_fr3.model:FrankaFr3',
-            'kinova_j2n6s300 = robots_models.kinova_j2n6s300.model:KinovaJ2n6s300',
-            'kuka_kr210_r2700 = robots_models.kuka_kr210_r2700.model:KukaKr210R2700',
-            'kuka_kr210_r3100 = robots_models.kuka_kr210_r3100.model:KukaKr210R3100',
-            'kuka_kr500_linear_axis = robots_models.kuka_kr500_linear_axis.model:KukaKr500LinearAxis',
-            'kuka_kr500_r2830 = robots_models.kuka_kr500_r2830.model:KukaKr500R2830',
-            'kuka_lbr_iiwa14 = robots_models.kuka_lbr_iiwa14.model:KukaLbrIiwa14',
-            'manutec_r3 = robots_models.manutec_r3.model:ManutecR3',
-            'mitsubishi_rv7frl = robots_models.mitsubishi_rv7frl.model:MitsubishiRv7frl',
-            'rover_jaco = robots_models.rover_jaco.model:RoverJaco',
-            'staubli_rx160 = robots_models.staubli_rx160.model:StaubliRx160',
-            'staubli_tx2_90 = robots_models.staubli_tx2_90.model:StaubliTx290',
-            'ur10e = robots_models.ur10e.model:Ur10e',
-            'ur5e = robots_models.ur5e.model:Ur5e',
-        ],
-    },
+    entry_points={'robots_core.robot_models': robots()},
 )
