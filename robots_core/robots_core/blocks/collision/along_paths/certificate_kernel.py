@@ -92,7 +92,7 @@ def _check_posture(
             count += 1
             worst[0] = max(worst[0], moved)
             continue
-        solid_distance(solids, R, t, i, j, margins[p], enough, True, result)
+        solid_distance(solids, R, t, i, j, (margins[p], enough, True), result)
         if result[0] <= margins[p]:
             return p, count
         _keep_direction(solids, i, j, result, axes[p])

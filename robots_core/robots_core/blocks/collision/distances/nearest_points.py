@@ -36,6 +36,11 @@ the frame that each part is fixed to (p,).
 A part is the hull of its vertices, or, where `disc` is above 0, a cylinder along z; either grown by `radius`.
 """
 
+Wanted = tuple[float, float, bool]
+"""Distances that need not be exact: up to the first number (m, from 0), above the second (m), and, with the
+third, between both. The search then ends early, as soon as that is sure; the value is above the distance, and
+the points are not the nearest."""
+
 # Differences of coordinates of some metres are rounded to 1e-15 m; the computation on simplices flatter than
 # 1e-7 m is dominated by rounding, so that no bound gets tighter than this.
 GAP = 1e-8  # m
@@ -155,21 +160,9 @@ def _keep(points: Array, row: int, a: Vector, b: Vector) -> None:
 
 @compiled()
 def nearest_points(
-    parts: PartArrays,
-    R: Array,
-    t: Array,
-    i: int,
-    j: int,
-    near: float,
-    enough: float,
-    between: bool,  # noqa: FBT001
-    result: Array,
+    parts: PartArrays, R: Array, t: Array, i: int, j: int, wanted: Wanted, result: Array
 ) -> None:
     """Fill result (8,): proven lower bound and value of the distance (m), nearest points on i and on j.
-
-    The search ends early where it is of no further use: at a distance of at most `near`, as soon as the lower
-    bound exceeds `enough`, and, with `between`, once the distance is sure to be between both. The value is
-    then above the distance, and the points are not the nearest.
 
     Args:
         parts: All parts.
@@ -177,11 +170,10 @@ def nearest_points(
         t: Positions of their frames, (f, 3), m.
         i: The first part.
         j: The other one.
-        near: m, from 0.
-        enough: m.
-        between: Whether a distance between both needs no value.
+        wanted: How exact the distance is to be.
         result: Both distances are 0 in contact, the points then lie in both, or near it.
     """
+    near, enough, between = wanted
     points, factors = np.empty((12, 3)), np.zeros((2, 4))  # few arrays: each takes as long as a support point
     W, A, B, weights, trial = points[:4], points[4:8], points[8:], factors[0], factors[1]
     x, y, z = subtract(row_of(t, parts[5][i]), row_of(t, parts[5][j]))

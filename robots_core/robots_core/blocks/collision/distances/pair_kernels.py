@@ -5,7 +5,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.nearest_points import Indices, nearest_points
+from robots_core.blocks.collision.distances.nearest_points import Indices, Wanted, nearest_points
 from robots_core.blocks.collision.distances.placed_solids import (
     BodyArrays,
     PlacedArrays,
@@ -31,42 +31,25 @@ def broad_distances(body: BodyArrays, placed: PlacedArrays, enough: float) -> Ar
 
 @compiled(counted=False)
 def solid_distance(
-    solids: SolidArrays,
-    R: Array,
-    t: Array,
-    i: int,
-    j: int,
-    near: float,
-    enough: float,
-    between: bool,  # noqa: FBT001
-    result: Array,
+    solids: SolidArrays, R: Array, t: Array, i: int, j: int, wanted: Wanted, result: Array
 ) -> None:
     """Fill result (8,) as `nearest_points` does, for solids of any kind.
 
-    Surfaces are not filled: a solid inside of one has a distance from it. A lower bound beyond `enough` (m)
-    may be less than the distance, and the points are then not the nearest ones. The same holds for a distance
-    of at most `near` (m) and, with `between`, for one between both.
+    Surfaces are not filled: a solid inside of one has a distance from it.
     """
     first = solids[1]
     if first[i + 1] - first[i] == 1 and first[j + 1] - first[j] == 1:
-        nearest_points(solids[0], R, t, first[i], first[j], near, enough, between, result)
+        nearest_points(solids[0], R, t, first[i], first[j], wanted, result)
     else:
-        _surface_distance(solids, R, t, i, j, near, enough, between, result)
+        _surface_distance(solids, R, t, i, j, wanted, result)
 
 
 @compiled()
 def _surface_distance(
-    solids: SolidArrays,
-    R: Array,
-    t: Array,
-    i: int,
-    j: int,
-    near: float,
-    enough: float,
-    between: bool,  # noqa: FBT001
-    result: Array,
+    solids: SolidArrays, R: Array, t: Array, i: int, j: int, wanted: Wanted, result: Array
 ) -> None:
     """`solid_distance`, of which at least one solid is a surface."""
+    near, enough, between = wanted
     parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
     one = np.empty(8)
     R_i, R_j = matrix_of(R[i]), matrix_of(R[j])
@@ -84,7 +67,7 @@ def _surface_distance(
             if apart > result[1] or apart > enough:
                 result[0] = min(result[0], apart)
                 continue
-            nearest_points(parts, R, t, a, b, near, min(enough, result[1]), between, one)
+            nearest_points(parts, R, t, a, b, (near, min(enough, result[1]), between), one)
             result[0] = min(result[0], one[0])
             if one[1] < result[1]:
                 copy_into(result[1:], one[1:])
@@ -99,7 +82,7 @@ def distances(body: BodyArrays, placed: PlacedArrays, chosen: Indices, enough: A
         i, j = body[4][chosen[k]], body[5][chosen[k]]
         bounds[k] = broad_distance(body, placed, i, j, enough[k])
         if bounds[k] <= enough[k]:
-            solid_distance(body[0], R, t, i, j, 0.0, enough[k], False, result)
+            solid_distance(body[0], R, t, i, j, (0.0, enough[k], False), result)
             bounds[k] = result[0]
     return bounds
 
@@ -120,7 +103,7 @@ def smallest_distance(
         if bounds[k] >= best:
             break
         bounds[k] = np.inf
-        solid_distance(body[0], R, t, body[4][chosen[k]], body[5][chosen[k]], 0.0, best, False, result)
+        solid_distance(body[0], R, t, body[4][chosen[k]], body[5][chosen[k]], (0.0, best, False), result)
         if result[1] < best:
             best, at = result[1], k
     return best, at

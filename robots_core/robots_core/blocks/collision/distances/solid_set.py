@@ -94,7 +94,7 @@ class SolidSet:
         """Lower bound and distance, m, and nearest points of a pair, (8,); see `nearest_points`."""
         result = np.empty(8)
         i, j = self.first[pair], self.second[pair]
-        solid_distance(self.body[0], self.R, self.t, i, j, 0.0, np.inf, False, result)
+        solid_distance(self.body[0], self.R, self.t, i, j, (0.0, np.inf, False), result)
         return result
 
     def travels(self, chosen: Indices, turn: Array) -> Array:
