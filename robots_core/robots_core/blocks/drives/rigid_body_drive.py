@@ -95,17 +95,22 @@ class RigidBodyDrive(DriveTrain):
         self._reference = np.array(q)
         self._rest(q)
         # Compiled code is loaded here and not in the first step of a real-time loop.
-        self._fixed = (self._dynamics, self._drive, self._motors)
-        kernel.advance(
-            *self._fixed,
-            self._state.copy(),
-            self._end,
+        self._advance(self._state.copy(), 1)
+
+    def _advance(self, state: Array, steps: int) -> bool:
+        """Advance a state by a period; False if a value is no longer finite."""
+        return kernel.advance(
+            self._dynamics,
+            self._drive,
+            self._motors,
+            state,
+            self._start,
             self._end,
             self._feed,
             self._outside,
             self._floating,
             self._period,
-            1,
+            steps,
         )
 
     def _rest(self, q: Array) -> None:
@@ -143,7 +148,6 @@ class RigidBodyDrive(DriveTrain):
         self._dynamics = chain_dynamics_of(LoadedRobot(self.robot, payload)).arrays
         if self._model is not None:
             self._model.load(self._dynamics)
-        self._fixed = (self._dynamics, self._drive, self._motors)
 
     def push(self, torque: Array) -> None:
         """See `DriveTrain.push`; the feed-forward leaves it out."""
@@ -206,18 +210,7 @@ class RigidBodyDrive(DriveTrain):
         if self._base is not None:
             M, bias = self._base.joint_dynamics(self.position, self.velocity)
             self._floating[:, :n], self._floating[:, n] = M, bias
-        finite = kernel.advance(
-            *self._fixed,
-            self._state,
-            self._start,
-            self._end,
-            self._feed,
-            self._outside,
-            self._floating,
-            self._period,
-            self._steps,
-        )
-        if not finite:
+        if not self._advance(self._state, self._steps):
             raise NotNowError(
                 f'the drives of robot {self.robot.name!r} lost their state: not finite any more'
             )
