@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robots_core.kernels.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array
 
@@ -16,29 +15,23 @@ class FeedForward:
     by the twist that moves it, (M q_ddot + tau_aux) / stiffness (Spong 1987, first order in the twist).
 
     Args:
-        dynamics: The bodies.
+        fill: Fills mass matrix (n, n) and bias torques (n,) of the bodies at q, q_dot.
         drives: Motors and gears.
         q: Reference at the start, (n,), rad (m), at rest.
-        fill: Fills mass matrix and bias torques of bodies at q, q_dot, as `mass_matrix_and_bias`.
     """
 
     def __init__(
-        self,
-        dynamics: DynamicsArrays,
-        drives: DriveData,
-        q: Array,
-        fill: Callable[[DynamicsArrays, Array, Array, Array, Array], object] = mass_matrix_and_bias,
+        self, fill: Callable[[Array, Array, Array, Array], object], drives: DriveData, q: Array
     ) -> None:
         self._drives, self._fill = drives, fill
         n = q.size
         self._M, self._bias = np.empty((n, n)), np.empty(n)
         self._q, self._q_dot = np.array(q), np.zeros(n)
-        self.load(dynamics)
+        self.load()
 
-    def load(self, dynamics: DynamicsArrays) -> None:
-        """Use these bodies from now on; the reference stands."""
-        self._dynamics = dynamics
-        self._fill(dynamics, self._q, self._q_dot, self._M, self._bias)
+    def load(self) -> None:
+        """Take other bodies over; the reference stands."""
+        self._fill(self._q, self._q_dot, self._M, self._bias)
         self._twist = self._bias / self._drives.stiffness
 
     def advance(self, q: Array, q_dot: Array, period: float) -> tuple[Array, Array, Array]:
@@ -52,7 +45,7 @@ class FeedForward:
         speed = 0.5 * (self._q_dot + q_dot)
         start = self._M @ q_ddot + self._bias
         self._q[:], self._q_dot[:] = q, q_dot
-        self._fill(self._dynamics, self._q, self._q_dot, self._M, self._bias)
+        self._fill(self._q, self._q_dot, self._M, self._bias)
         end = self._M @ q_ddot + self._bias
         torque = 0.5 * (start + end) + self._drives.inertia * q_ddot + self._drives.viscous_friction * speed
         before, self._twist = self._twist, end / self._drives.stiffness

@@ -14,7 +14,7 @@ from robots_core.blocks.drives.feed_forward import FeedForward
 from robots_core.blocks.multibody.loaded_robot import LoadedRobot
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, NotNowError
-from robots_core.kernels.chain_dynamics import DynamicsArrays, chain_dynamics_of, mass_matrix_and_bias
+from robots_core.kernels.chain_dynamics import chain_dynamics_of, mass_matrix_and_bias
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array, finite_vector, positive, read_only
@@ -119,7 +119,7 @@ class RigidBodyDrive(DriveTrain):
         M, weight = np.empty((n, n)), np.empty(n)
         mass_matrix_and_bias(self._dynamics, np.array(q), np.zeros(n), M, weight)
         weight -= self._outside
-        self._model = self._feed_forward(q) if self._feeds_forward else None
+        self._model = FeedForward(self._fill, self.drives, q) if self._feeds_forward else None
         state[kernel.Q] = q
         self.position, self.velocity = read_only(q), read_only(np.zeros(n))
         state[kernel.MOTOR] = q + weight / drives.stiffness
@@ -147,7 +147,7 @@ class RigidBodyDrive(DriveTrain):
         """See `DriveTrain.load`; the feed-forward includes the payload."""
         self._dynamics = chain_dynamics_of(LoadedRobot(self.robot, payload)).arrays
         if self._model is not None:
-            self._model.load(self._dynamics)
+            self._model.load()
 
     def push(self, torque: Array) -> None:
         """See `DriveTrain.push`; the feed-forward leaves it out."""
@@ -165,14 +165,11 @@ class RigidBodyDrive(DriveTrain):
         """See `DriveTrain.impact_inertia`."""
         return np.where(np.isinf(self.drives.stiffness), self.drives.inertia, 0.0)
 
-    def _feed_forward(self, q: Array) -> FeedForward:
+    def _fill(self, q: Array, q_dot: Array, M: Array, bias: Array) -> None:
         if self._base is None:
-            return FeedForward(self._dynamics, self.drives, q)
-        return FeedForward(self._dynamics, self.drives, q, self._fill_floating)
-
-    def _fill_floating(self, _: DynamicsArrays, q: Array, q_dot: Array, M: Array, bias: Array) -> None:
-        assert self._base is not None
-        M[:], bias[:] = self._base.joint_dynamics(q, q_dot)
+            mass_matrix_and_bias(self._dynamics, q, q_dot, M, bias)
+        else:
+            M[:], bias[:] = self._base.joint_dynamics(q, q_dot)
 
     @property
     def torque(self) -> Array:
