@@ -219,14 +219,3 @@ def error_between(r: Array, T: Array, r_target: Array, T_target: Array, error: A
         return
     factor = atan2(sine, cosine) / sine if sine > 1e-12 else 0.5
     error[3], error[4], error[5] = factor * x, factor * y, factor * z
-
-
-def chain_frames(chain: ChainArrays) -> tuple[Array, Array]:
-    """Origins (n, 3) and orientations (n, 3, 3) of the frames that the axes move, at q = 0, base frame."""
-    n = len(chain) - 1
-    r, T = np.empty((n, 3)), np.empty((n, 3, 3))
-    R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
-    for i in range(n):
-        _, R, t = next_frame(chain, i, 0.0, R, t)
-        r[i], T[i] = t, R
-    return r, T

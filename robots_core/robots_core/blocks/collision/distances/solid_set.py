@@ -15,7 +15,7 @@ from robots_core.blocks.collision.distances.pair_kernels import (
 )
 from robots_core.blocks.collision.distances.placed_solids import BodyArrays, PlacedArrays, SolidArrays, place
 from robots_core.blocks.collision.solids import BOX_CORNERS, Solid
-from robots_core.kernels.serial_chain import ChainArrays, SerialChain, chain_frames
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
@@ -36,13 +36,13 @@ class SolidSet:
         # The solid that is moved by more axes comes second.
         ordered = np.where((frames[pairs[:, 0]] > frames[pairs[:, 1]])[:, None], pairs[:, ::-1], pairs)
         self.first, self.second = (np.ascontiguousarray(ordered[:, column]) for column in (0, 1))
-        chain = SerialChain.of(robot).arrays
+        chain = SerialChain.of(robot)
         arrays = _solid_arrays(self.solids, frames, *_poses_in_chain(robot, chain, self.solids))
         balls, reaches = [solid.ball for solid in solids], [solid.reach for solid in solids]
         centres = np.array([centre for centre, _ in balls]).reshape(-1, 3)
         self.body: BodyArrays = (
             arrays,
-            chain,
+            chain.arrays,
             (
                 np.array([points for points, _ in reaches]).reshape(-1, *BOX_CORNERS.shape),
                 np.array([radius for _, radius in reaches]),
@@ -103,16 +103,16 @@ class SolidSet:
 
 
 def _poses_in_chain(
-    robot: BaseRobotModel, chain: ChainArrays, solids: Sequence[Solid]
+    robot: BaseRobotModel, chain: SerialChain, solids: Sequence[Solid]
 ) -> tuple[Array, Array]:
     """Orientations (s, 3, 3) and positions (s, 3) of solids in the frames of the chain.
 
     They are fixed to the frames of the kinematic model, which may lie elsewhere on the same bodies.
     """
     r, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
-    frames = [Pose.identity()]
-    for own, one in zip(zip(r, T, strict=True), zip(*chain_frames(chain), strict=True), strict=True):
-        frames.append(Pose(*one).inverse() @ Pose(*own))
+    axes = zip(chain.points, chain.frames, r, T, strict=True)
+    moved = [Pose(point, frame).inverse() @ Pose(*own) for point, frame, *own in axes]
+    frames = [Pose.identity(), *moved]
     poses = [frames[solid.frame] @ solid.pose for solid in solids]
     orientations = np.array([pose.T for pose in poses]).reshape(-1, 3, 3)
     return orientations, np.array([pose.r for pose in poses]).reshape(-1, 3)
