@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from rclpy.clock import Clock
@@ -14,7 +15,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
 from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import START, Phase
-from robots_core.ros.lockstep.protocol import encode_clock
+from robots_core.ros.lockstep.protocol import LED, encode_clock, encode_reports
 from robots_core.ros.lockstep.traffic import Traffic
 
 if TYPE_CHECKING:
@@ -32,17 +33,21 @@ class Lead:
     again also when nothing is due, when nothing goes on for a while, and when the run cannot continue: then
     it finds out itself why, and says so.
 
-    All methods are called in the executor's thread.
+    All methods but `send` are called in the executor's thread.
 
     Args:
-        participants: Of this process, at least one, before they are spun. All report by the first one.
+        participants: Of this process, at least one, before they are spun. All report by the publisher of the
+            first one: between messages of two publishers there is no order.
     """
 
     def __init__(self, participants: Sequence[Participant]) -> None:
         self._participants = {one.name: one for one in participants}
-        self._outbox = participants[0].outbox
         for participant in participants:
-            participant.share(self, self._outbox)
+            participant.lead = self
+        self._reports, self._wake = participants[0].reports, participants[0].wake
+        self._lock = threading.Lock()
+        self._keeper: int | None = None  # identity of the executor's thread, while it keeps reports
+        self._kept: dict[Participant, None] = {}
         self.name: Final = participants[0].name
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node
@@ -70,16 +75,31 @@ class Lead:
         others = self._node.get_subscriptions_info_by_topic('/clock')
         return bool(self._clock.get_subscription_count() >= len(others))
 
+    def send(self, participant: Participant) -> None:
+        """Send the report of a participant, or with the lead keep that it has one; from any thread."""
+        with self._lock:
+            keeper = self._keeper
+            if keeper is None:
+                self._publish((participant,))
+                return
+            self._kept[participant] = None
+        if keeper != threading.get_ident():
+            self._wake()
+
+    def _publish(self, participants: Iterable[Participant], *before: Sequence[int]) -> None:
+        self._reports.publish(encode_reports([*before, *(one.report() for one in participants)]))
+
     def begin(self, sequence: int, now: int, phase: int) -> None:
         """Take the lead, at an instant (ns) and the next phase of it."""
         self.active, self._held, self.sequence = True, False, sequence
         self.time = self._published = now
         self._instants = 0
         self._agenda.resume(now, phase)
-        self._outbox.keep()
+        with self._lock:
+            self._keeper = threading.get_ident()
         for participant in self._participants.values():
             participant.answer(sequence)
-            self._outbox.send(participant)
+            self.send(participant)
         self._look.reset()
 
     def hold(self) -> None:
@@ -92,7 +112,9 @@ class Lead:
             return False
         end = time.monotonic() + SHARE
         while True:
-            for participant in self._outbox.take():
+            with self._lock:
+                kept, self._kept = self._kept, {}
+            for participant in kept:
                 self._read(participant)
             if self._busy or not self._traffic.quiet:
                 return False
@@ -138,7 +160,7 @@ class Lead:
             self._give_back()
         else:
             self._seen = self._turns
-            self._outbox.sign_of_life()
+            self._publish(())  # a sign of life
 
     def _give_back(self, *, failed: bool = False) -> None:
         if not self.active:
@@ -147,6 +169,7 @@ class Lead:
         self._look.cancel()
         for participant in self._participants.values():
             participant.answer(self.sequence)
-        self._outbox.give_back(
-            self._participants.values(), (*self._agenda.place, int(failed), self._instants)
-        )
+        with self._lock:
+            self._keeper, self._kept = None, {}
+            place = *self._agenda.place, int(failed), self._instants
+            self._publish(self._participants.values(), (LED, *place))

@@ -31,7 +31,6 @@ from robots_core.ros.lockstep.counted_endpoints import (
 from robots_core.ros.lockstep.counts import Counts
 from robots_core.ros.lockstep.lead import Lead
 from robots_core.ros.lockstep.matching import is_matched
-from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, START, Phase
 from robots_core.ros.lockstep.protocol import (
     GO,
@@ -48,6 +47,7 @@ from robots_core.ros.lockstep.protocol import (
     Kind,
     Roster,
     decode,
+    encode_reports,
 )
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, Works
 from robots_core.ros.qos import STATE, STREAM
@@ -100,11 +100,13 @@ class Participant:
         publisher = partial(Node.create_publisher, node, event_callbacks=NO_PUBLISHER_EVENTS)
         subscription = partial(Node.create_subscription, node, event_callbacks=NO_SUBSCRIPTION_EVENTS)
         self._participants = publisher(String, PARTICIPANTS, STATE)
-        self._reports: Any = publisher(Int64MultiArray, REPORT, ALL)
+        self.reports: Any = publisher(Int64MultiArray, REPORT, ALL)
+        """Publisher of the reports."""
         self._after_replies = node.create_guard_condition(self._handle_replies)
-        self.outbox = Outbox(self._reports, self._after_replies.trigger)
-        """Sends the reports; participants of one process may share it."""
-        self._lead: Lead | None = None
+        self.wake: Callable[[], None] = self._after_replies.trigger
+        """Wakes the executor."""
+        self.lead: Lead | None = None
+        """That of several participants of a process."""
         self._times: Any = subscription(
             Int64MultiArray, TIME, lambda _: None, STREAM, callback_group=NeverExecuted(), raw=True
         )
@@ -118,10 +120,6 @@ class Participant:
     def members(self) -> Mapping[str, Sequence[Endpoint]]:
         """Endpoints of all participants by their full names; empty until the coordinator was found."""
         return {} if self._roster is None else self._roster.participants
-
-    def share(self, lead: Lead, outbox: Outbox) -> None:
-        """Be one of several participants of a process."""
-        self._lead, self.outbox = lead, outbox
 
     # -- what is counted -----------------------------------------------------------------------------
 
@@ -256,7 +254,11 @@ class Participant:
 
     def _report_unless_inside(self) -> None:
         if not self._inside and self._number is not None and self.started:
-            self.outbox.send(self)
+            if self.lead is not None:
+                self.lead.send(self)
+                return
+            with self._lock:
+                self.reports.publish(encode_reports([self.report()]))
 
     def report(self) -> list[int]:
         """Report for the coordinator, without the counts that were sent before."""
@@ -274,10 +276,10 @@ class Participant:
 
     def _on_go(self, data: bytes) -> None:
         sequence, now, phase, *counts = decode(data)
-        if phase == LEAD and self._lead is not None:
-            self._lead.begin(sequence, now, counts[0])
-        elif phase == HOLD and self._lead is not None:
-            self._lead.hold()
+        if phase == LEAD and self.lead is not None:
+            self.lead.begin(sequence, now, counts[0])
+        elif phase == HOLD and self.lead is not None:
+            self.lead.hold()
         else:
             self.take_turn(sequence, now, phase, counts)
 
@@ -303,7 +305,7 @@ class Participant:
         self.leave()
 
     def _update(self) -> None:
-        lead = self._lead
+        lead = self.lead
         if lead is not None and lead.active:
             self._set_time(lead.sequence, lead.time, lead.sent)
             return
@@ -362,7 +364,7 @@ class Participant:
         if self._roster is not None and self._is_matched(self._roster):
             self._matched = self._roster.version
             self._matching.cancel()
-        leader = '' if self._lead is None else self._lead.name
+        leader = '' if self.lead is None else self.lead.name
         announcement = Announcement(self.name, tuple(self.counts.endpoints), self._matched, leader)
         if announcement != self._announced:
             self._announced = announcement
@@ -371,12 +373,12 @@ class Participant:
     def _is_matched(self, roster: Roster) -> bool:
         """All has been found in the network that has to be. Releases late publishers."""
         if not (
-            self._reports.get_subscription_count()
+            self.reports.get_subscription_count()
             and self._go.get_publisher_count()
             and self._times.get_publisher_count()
         ):
             return False
-        if self._lead is not None and not self._lead.is_matched:
+        if self.lead is not None and not self.lead.is_matched:
             return False
         for endpoint, entity in zip([*self.counts.endpoints], [*self.counts.entities], strict=False):
             held = endpoint.kind == 'publisher' and entity.held is not None
