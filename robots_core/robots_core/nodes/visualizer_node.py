@@ -13,7 +13,6 @@ from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.timed_node import SELDOM
 
 MAX_RATE = 100.0  # Hz
@@ -43,8 +42,7 @@ class VisualizerNode(RobotNode):
         subscribe(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._reader = JointStateReader(self.robot.axes_data.names)
-        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock, raw=True)
+        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 
@@ -53,8 +51,9 @@ class VisualizerNode(RobotNode):
         """Address of the page."""
         return self._visualizer.url
 
-    def _update(self, raw: bytes) -> None:
-        self._visualizer.follow(self._reader.position(raw))
+    def _update(self, message: JointState) -> None:
+        names = self.robot.axes_data.names
+        self._visualizer.follow(joint_values(message.name, message.position, names, 'joint_states'))
         self.ready(url=self.url)
 
     def _show_ghost(self, message: JointState) -> None:

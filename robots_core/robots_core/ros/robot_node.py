@@ -279,19 +279,17 @@ class RobotNode(TimedNode):
         *,
         rate: float,
         clock: Clock | None = None,
-        raw: bool = False,
     ) -> None:
         """Look for the newest message of a stream at a rate, and hand it on; a RobotsError refuses it.
 
         Args:
-            msg_type: The topic's type, with a header.
+            msg_type: The topic's type.
             topic: Its name.
             callback: Gets the message.
             rate: Hz.
             clock: Of the rate; that of the node by default.
-            raw: The message comes as bytes.
         """
-        subscription = PolledSubscription(self, msg_type, topic, raw=raw)
+        subscription = PolledSubscription(self, msg_type, topic)
 
         def check() -> None:
             message = subscription.take()
