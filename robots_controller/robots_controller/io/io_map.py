@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -178,10 +179,7 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int, known:
     plant = read_plant_place(item, channel, known.servers)
     place, polling = (read_topic_field(item), None) if plant is None else (plant[0], plant[1].period)
     if isinstance(place, PlantPlace):  # the type of a topic's field is checked where its message is known
-        try:
-            check_bit(place, bit, place.kind)
-        except InvalidInputError as error:
-            raise item.error(error.message, 'bit') from None
+        item.checked(partial(check_bit, place, bit, place.kind), 'bit')
     unfit = 'debounce' if channel.direction == 'output' else '' if polling else 'period'
     if unfit in item:
         raise item.error(f'{unfit} is not for {channel.direction}s', unfit)

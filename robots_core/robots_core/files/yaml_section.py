@@ -148,10 +148,7 @@ class YamlSection:
             InvalidInputError: missing, or `make` has raised a RobotsError.
         """
         value = self._value(key, None)
-        try:
-            return make(value)
-        except RobotsError as error:
-            raise self.error(error.message, key) from error
+        return self.checked(lambda: make(value), key)
 
     def section(self, key: str) -> YamlSection | None:
         """A mapping below a key; None if the key is missing.
@@ -173,16 +170,16 @@ class YamlSection:
             raise self.error(f'{key} is missing')
         return below
 
-    def checked(self, make: Callable[[], Made]) -> Made:
+    def checked(self, make: Callable[[], Made], key: str = '') -> Made:
         """What `make` returns.
 
         Raises:
-            InvalidInputError: `make` has raised a RobotsError; with the section's line.
+            InvalidInputError: `make` has raised a RobotsError; with the line of the key, or the section's.
         """
         try:
             return make()
         except RobotsError as error:
-            raise self.error(error.message) from error
+            raise self.error(error.message, key) from error
 
     def entries(self, key: str) -> list[tuple[YamlSection, str]]:
         """The keys of a mapping below a key, each with the mapping; none if the key is missing.

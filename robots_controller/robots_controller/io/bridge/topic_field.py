@@ -8,7 +8,6 @@ from typing import Final
 from robots_controller.io.bridge.place import Place
 from robots_controller.io.field_path import FieldPath
 from robots_core.cell_interface.topic_qos import Profile
-from robots_core.errors import InvalidInputError
 from robots_core.files.yaml_section import YamlSection
 
 KEYS: Final = ('topic', 'type', 'field', 'qos')
@@ -52,7 +51,9 @@ def read_topic_field(item: YamlSection) -> TopicField:
     Raises:
         InvalidInputError: one of them is missing or not valid; with file and line.
     """
-    return TopicField(_topic(item), _type(item), _path(item), _qos(item))
+    topic, kind = _topic(item), _type(item)
+    path = item.checked(lambda: FieldPath.parse(item.text('field', 'data')), 'field')
+    return TopicField(topic, kind, path, _qos(item))
 
 
 def _topic(item: YamlSection) -> str:
@@ -76,13 +77,6 @@ def _type(item: YamlSection) -> str:
             'type',
         )
     return '/'.join(parts)
-
-
-def _path(item: YamlSection) -> FieldPath:
-    try:
-        return FieldPath.parse(item.text('field', 'data'))
-    except InvalidInputError as error:
-        raise item.error(error.message, 'field') from None
 
 
 def _qos(item: YamlSection) -> Profile:
