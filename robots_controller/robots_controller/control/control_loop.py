@@ -175,17 +175,17 @@ class ControlLoop:
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop on the path and give up all motions; the next one may move."""
         if request == 'cancel':
-            self._put(partial(self._cancel, CANCELED, resume=True))
-        else:
-            self._put(partial(self._pause, paused=request == 'pause'))
+            self.cancel(CANCELED)
+        self._put(partial(self._pause, paused=request == 'pause'))
 
     def cancel(self, reason: str) -> None:
         """Stop on the path and give up all motions for this reason; a pause stays."""
-        self._put(partial(self._cancel, reason, resume=False))
+        self._put(lambda _: self.controller.cancel(reason))
 
     def stop(self, reason: str) -> None:
         """Stop on the path until `reset`, and end a pause."""
-        self._put(partial(self._stop, reason))
+        self.trip(Fault.STOP, reason)
+        self._put(partial(self._pause, paused=False))
 
     def stop_before_collision(self) -> None:
         """Stop before an obstacle, see `Controller.stop_before_collision`; a pause stays."""
@@ -339,15 +339,6 @@ class ControlLoop:
         stops.clear(fault)
         if stops.state.fault is fault:
             self._reset(now)
-
-    def _cancel(self, reason: str, _now: float, *, resume: bool) -> None:
-        self.controller.cancel(reason)
-        if resume:
-            self.controller.speed.paused = False
-
-    def _stop(self, reason: str, now: float) -> None:
-        self.controller.trip(Fault.STOP, reason, now)
-        self.controller.speed.paused = False
 
     def _wait_for(self, awaited: str, _now: float) -> None:
         self.controller.awaited = awaited

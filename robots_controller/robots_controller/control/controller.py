@@ -15,7 +15,7 @@ from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_following import PathFollowing
 from robots_controller.control.span import Span
-from robots_controller.control.speed.speed_control import SpeedControl, refuse_closed
+from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.stops.brake import Brake
 from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_controller.control.stops.feedback_watch import FeedbackWatch, Finding
@@ -145,7 +145,11 @@ class Controller:
             raise TrajectoryRefusedError(f'the trajectory has {n} axes, the robot has {self._axes.num_axes}')
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
-        refuse_closed(motion.borders)
+        for border in motion.borders:
+            if border.zone.always_closed:
+                raise TrajectoryRefusedError(
+                    f'the trajectory crosses the border of zone {border.zone.name!r} at {border.start:.3f} s'
+                )
         self.blocked.check(motion.id)
         standing = self._motion is None
         assert self.reference is not None

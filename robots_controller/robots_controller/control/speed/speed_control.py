@@ -11,7 +11,6 @@ from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.streamed_reference import StreamedReference
 from robots_controller.control.zones.zone_border import Border
-from robots_core.errors import TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
@@ -116,16 +115,3 @@ class SpeedControl:
 
     def _target(self, *, enabled: bool) -> float:
         return self.override * self.scaling if enabled and not self.paused else 0.0
-
-
-def refuse_closed(borders: tuple[Border, ...]) -> None:
-    """Refuse a trajectory that crosses the border of a zone that is always closed.
-
-    Raises:
-        TrajectoryRefusedError: it does.
-    """
-    for border in borders:
-        if border.zone.always_closed:
-            raise TrajectoryRefusedError(
-                f'the trajectory crosses the border of zone {border.zone.name!r} at {border.start:.3f} s'
-            )
