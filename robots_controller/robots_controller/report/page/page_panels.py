@@ -1,6 +1,7 @@
 """The plots of the page: joints against their limits, tool, torques, distances, inputs and outputs."""
 
 from collections.abc import Sequence
+from math import ceil
 from typing import Any, Final
 
 import numpy as np
@@ -33,9 +34,7 @@ def run_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]:
     curve = run.distance if report.clearance is None else report.clearance.curve
     if curve.size:
         drawn = series(arrays, 'smallest', curve[:, 0], 1e3 * curve[:, 1], COLOURS[0], show=(1.0, 0.0, 'mm'))
-        panels.append(
-            {'title': 'Distance to the next thing', 'unit': 'mm', 'kind': 'lines', 'series': [drawn]}
-        )
+        panels.append(_panel('Distance to the next thing', 'mm', 'lines', [drawn]))
     return [*panels, *io_panels([('', report)], arrays)]
 
 
@@ -60,13 +59,13 @@ def lines_panel(
     """
     drawn: list[dict[str, Any]] = []
     for report, names, values in curves:
-        step = _step(report)
+        step = max(1, ceil(report.run.time.size / MOST_SAMPLES))
         for name, column in zip(names, values[::step].reshape(-1, len(names)).T, strict=True):
             number = len(drawn)
             shown = show[number] if show else (1.0, 0.0, unit.partition(' ')[0])
             time, colour = report.run.time[::step], COLOURS[number % len(COLOURS)]
             drawn.append(series(arrays, name, time, column, colour, show=shown))
-    return {'title': title, 'unit': unit, 'kind': 'lines', 'series': drawn, **more}
+    return _panel(title, unit, 'lines', drawn, **more)
 
 
 def spans_panel(reports: list[tuple[str, RunReport]]) -> dict[str, Any]:
@@ -81,14 +80,7 @@ def spans_panel(reports: list[tuple[str, RunReport]]) -> dict[str, Any]:
         }
         for name, report in reports
     ]
-    return {
-        'title': 'Program: line by line',
-        'unit': '',
-        'kind': 'spans',
-        'series': [],
-        'lanes': lanes,
-        'rows': len(lanes),
-    }
+    return _panel('Program: line by line', '', 'spans', [], lanes=lanes, rows=len(lanes))
 
 
 def speed_panel(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> dict[str, Any]:
@@ -118,7 +110,7 @@ def io_panels(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> list[
                     )
         if rows:
             kind = 'logic' if digital else 'steps'
-            panels.append({'title': title, 'unit': '', 'kind': kind, 'series': rows})
+            panels.append(_panel(title, '', kind, rows))
     return panels
 
 
@@ -163,5 +155,5 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
     return panels
 
 
-def _step(report: RunReport) -> int:
-    return max(1, -(-report.run.time.size // MOST_SAMPLES))
+def _panel(title: str, unit: str, kind: str, drawn: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
+    return {'title': title, 'unit': unit, 'kind': kind, 'series': drawn, **more}
