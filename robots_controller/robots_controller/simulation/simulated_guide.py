@@ -21,7 +21,6 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.guidance.jogging import Jogging
 from robots_planning.guidance.teach_box import JOG_RATE, TeachStep
@@ -118,7 +117,9 @@ class SimulatedGuide:
         if source is not None:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
             self._carried = CarriedPayload(movement.load)
-            self._sensor = SensorGuidance(movement, reference=self._reference, refused=lambda *_: None)
+            self._sensor = SensorGuidance(
+                movement, reference=lambda: control.controller.reference, refused=lambda *_: None
+            )
             self._jogging = Jogging(
                 robot,
                 standing=planner.standing,
@@ -179,9 +180,6 @@ class SimulatedGuide:
             self._received = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
         self._take_messages(source, nanoseconds)
-
-    def _reference(self) -> Array | None:
-        return self._control.controller.reference
 
     def _take_messages(self, source: GuideSource, nanoseconds: int) -> None:
         taken = -1
