@@ -65,7 +65,7 @@ def test_a_robot_follows_references_that_come_irregularly(
     behind = []
     for k in range(last + 150):
         now = 1.0 + k * PERIOD
-        drives.measure(controller.step(now)[0])
+        drives.position = controller.step(now)[0]
         sample = motion.sample(min(k, last) * PERIOD)
         if k > until and ends is not None:
             supervised.step(now, None)

@@ -163,7 +163,7 @@ class HardwareNode(RobotNode):
                     timeout=np.inf if self.simulated_time else self._watchdog or np.inf,
                     processor_share=processor_share,
                 )
-            self._drives.measure(position)
+            self._drives.position = position
 
     def _trajectory(self, q: Array, q_dot: Array) -> JointTrajectory:
         found = stopping_trajectory(q, q_dot, self._axes, self._driver.lead)

@@ -51,7 +51,7 @@ def stopping_trajectory(q: Array, q_dot: Array, axes: AxesData, lead: float) -> 
 
 
 class DriverDrives(DriveTrain):
-    """Drives that another process moves: what they are to do is in `command`.
+    """Drives that another process moves: it sets `position`, and what they are to do is in `command`.
 
     Args:
         position: Where the axes are, (n,), rad (m).
@@ -61,10 +61,6 @@ class DriverDrives(DriveTrain):
         self.position, self.velocity = position, np.zeros_like(position)
         self.command: tuple[Array, Array] | None = None
         """Reference of this period: positions and velocities (n,); None for none."""
-
-    def measure(self, position: Array) -> None:
-        """Take where the axes are, (n,), rad (m)."""
-        self.position = position
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain`; the velocity is that of the reference."""
