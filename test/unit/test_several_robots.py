@@ -17,7 +17,7 @@ ROBOTS = {'place': 'remove', 'remove': 'place'}
 
 
 def topics(rows: IoMap, direction: str) -> dict[str, str]:
-    return {row.place.topic: row.channel.label for row in getattr(rows, direction)}
+    return {row.place.port: row.channel.label for row in getattr(rows, direction)}
 
 
 def test_each_robot_reads_what_the_other_one_sends() -> None:
