@@ -88,7 +88,13 @@ plant-requirements: .venv/.installed_plant  ## Install what I/O maps with Modbus
 
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace (10 s) ..."
+	@rm -rf build/*/build/lib
 	@$(BUILD_ENVIRONMENT) python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
+	@# Files whose sources are gone: colcon leaves them.
+	@for package in $(PACKAGES); do \
+	  find "$$PWD/install/$$package/lib" -type f -path "*/site-packages/$$package/*" -not -path '*/__pycache__/*' \
+	  | { grep -vxFf "build/$$package/install.log" || true; } | xargs -r -d '\n' rm; \
+	done
 	@touch $@
 
 # What is compiled already is kept as long as its source is the same.
