@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
@@ -37,78 +38,14 @@ def below(x):
 def apart(x):
     return -x
 """
-RUN = """
-from caller import apart, whole
-results = [whole(10.0), apart(1.0)]
-print(results[0], *(int(not f.stats.cache_hits) for f in (whole, apart)))
-"""
-NEW, KEPT = '1', '0'
-NEW_LINE = 10
-
-
-own_module = sys.modules[__name__]
-
-
-def run(folder: Path, code: str = RUN) -> list[str]:
-    """The result of `whole`, and for each function whether it was compiled."""
-    return subprocess.run(
-        # Python itself would not notice a change within a second that keeps the size of a file.
-        [sys.executable, '-B', '-c', code],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-
-
-@pytest.fixture(scope='module')
-def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp('kernels')
-    (folder / 'callee.py').write_text(CALLEE)
-    (folder / 'caller.py').write_text(CALLER)
-    assert run(folder) == ['21.0', NEW, NEW]
-    return folder
-
-
-@pytest.fixture
-def folder(compiled_once: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(compiled_once, tmp_path / 'kernels'))
-
-
-@pytest.mark.parametrize(
-    ('file', 'old', 'new', 'expected'),
-    [
-        ('callee.py', '2.0', '3.0', ['31.0', NEW, KEPT]),
-        ('caller.py', 'STEP = 1.0', 'STEP = 5.0', ['25.0', NEW, KEPT]),
-        ('caller.py', '-x', '0 - x', ['21.0', KEPT, NEW]),
-        ('caller.py', 'STEP = 1.0', '# A comment, and a line more.\n\nSTEP = 1.0', ['21.0', KEPT, KEPT]),
-        ('callee.py', '(x):', '(x):\n    """What it does."""', ['21.0', KEPT, KEPT]),
-    ],
-    ids=['a function that is called', 'a constant', 'another function', 'comments', 'documentation'],
-)
-def test_an_edit_compiles_what_depends_on_it(
-    folder: Path, file: str, old: str, new: str, expected: list[str]
-):
-    source = folder / file
-    source.write_text(source.read_text().replace(old, new))
-    assert run(folder) == expected
-
-
-def test_a_function_that_moved_to_another_file_is_compiled(folder: Path):
-    (folder / 'callee.py').rename(folder / 'moved.py')
-    source = folder / 'caller.py'
-    source.write_text(source.read_text().replace('from callee', 'from moved'))
-    assert run(folder) == ['21.0', NEW, KEPT]
-
-
-def test_a_function_whose_argument_has_another_type_is_compiled(tmp_path: Path):
-    source = tmp_path / 'caller.py'
-    text = """
+TYPED = """
 from typing import NamedTuple
 from robots_core.kernels.compiled import compiled
 
 class Old(NamedTuple):
     value: float
+
+ARGUMENT = Old(10.0)
 
 @compiled()
 def whole(x: Old):
@@ -118,10 +55,85 @@ def whole(x: Old):
 def apart(x):
     return x
 """
-    call = RUN.replace('whole(10.0)', 'whole(Old(10.0))').replace('import apart', 'import Old, apart')
-    for name in ('Old', 'New'):
-        source.write_text(text.replace('Old', name))
-        assert run(tmp_path, call.replace('Old', name)) == ['10.0', NEW, NEW if name == 'Old' else KEPT]
+SOURCES = {'plain': {'callee.py': CALLEE, 'caller.py': CALLER}, 'typed': {'caller.py': TYPED}}
+RUN = """
+import sys
+for folder in sys.argv[1:]:
+    sys.path.insert(0, folder)
+    import caller
+    results = [caller.whole(getattr(caller, 'ARGUMENT', 10.0)), caller.apart(1.0)]
+    print(results[0], *(int(not f.stats.cache_hits) for f in (caller.whole, caller.apart)))
+    sys.path.remove(folder)
+    for name in {'caller', 'callee', 'moved'} & set(sys.modules):
+        del sys.modules[name]
+"""
+NEW, KEPT = '1', '0'
+NEW_LINE = 10
+
+
+own_module = sys.modules[__name__]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What is edited in a file after its functions were compiled, and what a new process finds then."""
+
+    file: str
+    old: str
+    new: str
+    expected: list[str]
+    of: str = 'plain'
+
+
+MOVED = 'a function that moved to another file'
+EDITS = {
+    'a function that is called': Edit('callee.py', '2.0', '3.0', ['31.0', NEW, KEPT]),
+    'a constant': Edit('caller.py', 'STEP = 1.0', 'STEP = 5.0', ['25.0', NEW, KEPT]),
+    'another function': Edit('caller.py', '-x', '0 - x', ['21.0', KEPT, NEW]),
+    'comments': Edit(
+        'caller.py',
+        'STEP = 1.0',
+        '# A comment, and a line more.\n\nSTEP = 1.0',
+        ['21.0', KEPT, KEPT],
+    ),
+    'documentation': Edit('callee.py', '(x):', '(x):\n    """What it does."""', ['21.0', KEPT, KEPT]),
+    MOVED: Edit('caller.py', 'from callee', 'from moved', ['21.0', NEW, KEPT]),
+    'another type of argument': Edit('caller.py', 'Old', 'New', ['10.0', NEW, KEPT], of='typed'),
+}
+
+
+def run(*folders: Path) -> list[list[str]]:
+    """For each folder the result of `whole`, and for each function whether it was compiled."""
+    done = subprocess.run(
+        # Python itself would not notice a change within a second that keeps the size of a file.
+        [sys.executable, '-B', '-c', RUN, *map(str, folders)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+@pytest.fixture(scope='module')
+def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """What one process finds in a folder for each edit, after another has compiled what was there before."""
+    before, after = tmp_path_factory.mktemp('before'), tmp_path_factory.mktemp('after')
+    for folder, files in SOURCES.items():
+        (before / folder).mkdir()
+        for name, text in files.items():
+            (before / folder / name).write_text(text)
+    assert run(before / 'plain', before / 'typed') == [['21.0', NEW, NEW], ['10.0', NEW, NEW]]
+    for name, edit in EDITS.items():
+        shutil.copytree(before / edit.of, after / name)
+        source = after / name / edit.file
+        source.write_text(source.read_text().replace(edit.old, edit.new))
+    (after / MOVED / 'callee.py').rename(after / MOVED / 'moved.py')
+    return dict(zip(EDITS, run(*(after / name for name in EDITS)), strict=True))
+
+
+@pytest.mark.parametrize('name', EDITS)
+def test_an_edit_compiles_what_depends_on_it(found: dict[str, list[str]], name: str):
+    assert found[name] == EDITS[name].expected
 
 
 class Side(Enum):

@@ -250,13 +250,14 @@ def test_the_queue_is_bounded(controller: Controller) -> None:
 
 def test_another_thread_may_look_at_the_motions_as_they_end(controller: Controller) -> None:
     run = Run(controller)
+    near = 0.004 * CORNER
 
     def check() -> None:
         assert None not in controller.motions
         assert controller.state in ControllerState
 
     with repeating(check):
-        for begin, end in [(START, CORNER), (CORNER, START)] * 100:
-            controller.follow(FollowedMotion(move(begin, end), 'seen'), run.now)
+        for begin, end in [(START, near), (near, START)] * 100:
+            controller.follow(FollowedMotion(move(begin, end, duration=0.2), 'seen'), run.now)
             run.until_holding()
             run.references.clear()
