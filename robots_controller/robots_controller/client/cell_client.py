@@ -98,11 +98,7 @@ class CellClient:
         self._override = make_publisher(node, Float64, 'override')
         self._planner = PlannerClient(node, names)
         self._queue = commanded_motions(
-            node,
-            self._planner,
-            self._connection.send,
-            lambda _, command, error: self._motions.end(command, error),
-            patience=patience,
+            self._connection, self._planner, lambda _, command, error: self._motions.end(command, error)
         )
         self._motions = MotionsUnderWay(self._queue.cancel, self._flush, patience)
         subscribe(node, Float64, 'motion_progress', lambda message: self._motions.advance(message.data))

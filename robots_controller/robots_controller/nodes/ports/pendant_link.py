@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from threading import Lock
 from typing import Final
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
-from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.client.program_client import set_parameters
 from robots_controller.io.io_image import Channel
@@ -20,12 +18,12 @@ from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError
-from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import joint_motion, joint_state_message, seconds, twist_stamped_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array
+from robots_planning.nodes.controller_reference import ControllerReference
 
 PROGRAM: Final = 'lua_program_node'
 PATIENCE: Final = 10.0  # s
@@ -51,9 +49,7 @@ class PendantLink(ProgramLink):
         move = PendantMoves(node, self._services).move
         self.begin_move, self.end_move = move.begin, move.end
         self._ghosts = make_publisher(node, JointState, 'ghost')
-        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference')
-        self._reference: Array | None = None
-        self._taking = Lock()  # any thread requests the reference
+        self._reference = ControllerReference(node)
         self._feedback = PolledSubscription(node, JointState, 'joint_states')
 
     def jog_axes(self, velocity: Array) -> None:
@@ -72,11 +68,8 @@ class PendantLink(ProgramLink):
 
     def reference(self) -> Array | None:
         """See `PendantPort`."""
-        with self._taking:
-            message = self._references.take()
-            if message is not None:
-                self._reference = single_point(message, self._names, 'joint_reference')[0]
-            return self._reference
+        newest = self._reference.newest()
+        return None if newest is None else newest[0]
 
     def feedback(self) -> MeasuredMotion | None:
         """See `PendantPort`."""

@@ -49,11 +49,7 @@ class PendantMoves:
         """The motion of the pendant."""
         planner = PendantPlanner(node, node.robot.axes_data.names)
         self._motions = commanded_motions(
-            node,
-            planner,
-            services.send,
-            lambda _id, command, error: self.move.ended(command, error),
-            patience=services.patience,
+            services, planner, lambda _id, command, error: self.move.ended(command, error)
         )
         self.send, self.cancel = self._motions.send, self._motions.cancel
         node.create_timer(WATCH_PERIOD, self._watch)
