@@ -70,6 +70,20 @@ def test_the_tool_moves_along_or_about_one_axis(
     assert np.abs(rest).max() < 0.01 * moved
 
 
+def test_the_axes_of_base_link_are_those_of_its_maker() -> None:
+    robot = load_robot_model('ur5e')
+    T = robot.base_link.T
+    assert not np.allclose(T, np.eye(3))
+    posture = np.array([0.3, -1.2, 1.4, -0.6, -1.5, 0.2])
+    box = TeachBox(robot, DT, posture)
+    for k in range(100):
+        box.jog_tool([0.05, 0.0, 0.0, 0.0, 0.0, 0.0], k * DT, 'base_link')
+        step = box.step(k * DT)
+    along = T.T @ (tool(robot, step.q).r - tool(robot, posture).r)
+    assert along[0] > 0.005
+    assert np.abs(along[1:]).max() < 0.01 * along[0]
+
+
 def test_an_old_command_stops_the_robot(robot: BaseRobotModel, posture: np.ndarray) -> None:
     box = TeachBox(robot, DT, posture)
     steps: list[TeachStep] = []
