@@ -117,7 +117,7 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
 def chain(robot: BaseRobotModel, q: np.ndarray, poses: list[Pose]) -> Trajectory:
     modal = MotionSettings(blend_zone=0.1, cartesian_planner='dynamic_programming', **FAST)  # type: ignore[arg-type]
     orders = tuple(QueuedCommand(str(number), LINE, pose, modal, 0.0) for number, pose in enumerate(poses))
-    return MotionChain(robot, PathPlanning(robot)).plan(CommandChain(orders), q).motion.trajectory
+    return MotionChain(PathPlanning(robot)).plan(CommandChain(orders), q).motion.trajectory
 
 
 def quantities(robot: BaseRobotModel, trajectory: Trajectory) -> tuple[np.ndarray, dict[str, np.ndarray]]:

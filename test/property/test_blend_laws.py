@@ -153,7 +153,7 @@ def test_random_chains(  # noqa: PLR0917  # hypothesis gives every drawn value a
     speeds = {'cartesian_speed': 5.0, 'cartesian_acceleration': 50.0} if fast else {}
     chain = build(name, moved, motions, sizes, cartesian_planner=planner, jerk_limited=jerk_limited, **speeds)
     robot = chain.robot
-    plan = MotionChain(robot, chain.planning).plan(CommandChain(tuple(chain.orders)), chain.start)
+    plan = MotionChain(chain.planning).plan(CommandChain(tuple(chain.orders)), chain.start)
     blended, ends = plan.motion, tuple(plan.ends.values())
 
     # Inside all limits, without a jump of acceleration, from and to rest.

@@ -81,7 +81,7 @@ def test_chains_keep_torque_limits_with_the_payload(robot: BaseRobotModel) -> No
         )
         for number, step in enumerate(steps)
     )
-    motion = MotionChain(robot, PathPlanning(robot)).plan(CommandChain(commands), START).motion
+    motion = MotionChain(PathPlanning(robot)).plan(CommandChain(commands), START).motion
     assert verify(motion.trajectory, loaded_robot(robot, HEAVY)).ok
 
 

@@ -105,7 +105,7 @@ def _rows(plan: ChainPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_plans_that_carry_each_other_on_are_as_fast_as_one(
     robot: BaseRobotModel, how: dict[str, object]
 ) -> None:
-    chain, start = MotionChain(robot, PathPlanning(robot)), np.radians(START)
+    chain, start = MotionChain(PathPlanning(robot)), np.radians(START)
     queued = commands(robot, **how)
     plans = in_windows(chain, queued, start)
     assert len(plans) > 3

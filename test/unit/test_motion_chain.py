@@ -28,7 +28,7 @@ def robot() -> BaseRobotModel:
 
 @pytest.fixture(scope='module')
 def chain(robot: BaseRobotModel) -> MotionChain:
-    return MotionChain(robot, PathPlanning(robot))
+    return MotionChain(PathPlanning(robot))
 
 
 @pytest.fixture
@@ -206,7 +206,7 @@ def test_where_two_motions_meet_the_speeds_of_both_hold(
     robot: BaseRobotModel, start: np.ndarray, speeds: tuple[float, ...], *, jerk_limited: bool
 ) -> None:
     """Also where the ramps of the acceleration are long: in a plan that takes long."""
-    chain = MotionChain(robot, PathPlanning(robot))
+    chain = MotionChain(PathPlanning(robot))
     options = {'blend_zone': ZONE, 'joint_blend_zone': JOINT_ZONE, 'jerk_limited': jerk_limited}
     away = start + np.array([0.3, 0.1, -0.1, 0.0, 0.1, 0.2])
     orders = tuple(
@@ -273,7 +273,7 @@ def test_a_chain_that_is_faster_with_stops_stops() -> None:
     corners = square(robot, start, 0.1)[:2]
     fast = {'cartesian_speed': 5.0, 'cartesian_acceleration': 50.0, 'jerk_limited': True}
     orders = tuple(order(k, LINE, pose, blend_zone=0.01, **fast) for k, pose in enumerate(corners))
-    motion, ends = planned(MotionChain(robot, planning), orders, start)
+    motion, ends = planned(MotionChain(planning), orders, start)
     first = planning.plan(LINE, start, corners[0], orders[0].settings).trajectory
     second = planning.plan(LINE, first.position[-1], corners[1], orders[1].settings).trajectory
     assert ends == pytest.approx((first.duration, first.duration + second.duration), abs=1e-9)

@@ -133,7 +133,7 @@ def test_the_planner_of_the_readme_moves_a_robot(robot: BaseRobotModel, start: n
     orders = tuple(
         QueuedCommand(str(number), JOINT, q, blended, 0.0) for number, q in enumerate((target, start))
     )
-    plan = MotionChain(robot, planning).plan(CommandChain(orders), start)
+    plan = MotionChain(planning).plan(CommandChain(orders), start)
     motion, ends = plan.motion, tuple(plan.ends.values())
     assert ends == pytest.approx((0.5 * motion.duration, motion.duration))
     still = np.zeros(robot.num_axes)

@@ -47,7 +47,7 @@ class CommandPlanner:
         self.replace = False
         """A joint motion takes the place of the running motion, and does not wait for its end."""
         self._planning, self._queue = planning, queue
-        self._chain = MotionChain(planning.robot, planning)
+        self._chain = MotionChain(planning)
         self._open: OpenEnd | None = None
         self._standing, self._path_time, self._commit = standing, path_time, commit
         self._send, self._refuse, self._give_up = send, refuse, give_up

@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
@@ -86,12 +85,11 @@ class MotionChain:
     middle of its plan, with the speed and the acceleration that it has there.
 
     Args:
-        robot: The robot.
         planning: Plans single motions, and checks all.
     """
 
-    def __init__(self, robot: BaseRobotModel, planning: PathPlanning) -> None:
-        self._robot, self._planning = robot, planning
+    def __init__(self, planning: PathPlanning) -> None:
+        self._robot, self._planning = planning.robot, planning
 
     def plan(self, chain: CommandChain, q_start: Array) -> ChainPlan:
         """The plan of a chain from rest.

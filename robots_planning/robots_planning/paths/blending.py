@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from robots_core.errors import InvalidInputError
-from robots_core.validation import Array, positive
+from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
@@ -32,23 +32,16 @@ def blend(paths: Sequence[JointPath], zones: Sequence[tuple[float, Measure]]) ->
 
     Args:
         paths: At least one; each begins where the one before ends.
-        zones: Size of the zone around every corner, one fewer than paths, and the distance of joint positions
-            that it is a size of: of joints (rad), or of the tool (m).
+        zones: Size of the zone around every corner, one fewer than paths and above 0, and the distance of
+            joint positions that it is a size of: of joints (rad), or of the tool (m).
 
     Returns:
         The path, and s at the middle of every blend, (len(zones),).
 
     Raises:
-        InvalidInputError: no path, another number of zones, a zone that is not above 0, or paths that do not
-            join.
+        InvalidInputError: paths that do not join.
     """
-    if not paths or len(zones) != len(paths) - 1:
-        raise InvalidInputError(
-            f'{len(paths)} paths need {max(len(paths) - 1, 0)} zones between them, got {len(zones)}; '
-            'at least 1 path is needed'
-        )
-    for index, (zone, _) in enumerate(zones):
-        positive(zone, f'zones[{index}]')
+    for index in range(len(zones)):
         gap = joint_distance(paths[index].q[-1], paths[index + 1].q[0])
         if gap > JOINED:
             raise InvalidInputError(

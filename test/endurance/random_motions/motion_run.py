@@ -79,7 +79,7 @@ def run_motion(motion: RandomMotion, robot: BaseRobotModel, planning: PathPlanni
         QueuedCommand(str(index), *command, received=0.0) for index, command in enumerate(motion.commands)
     )
     try:
-        plan = MotionChain(robot, planning).plan(CommandChain(commands), motion.start).motion
+        plan = MotionChain(planning).plan(CommandChain(commands), motion.start).motion
     except RobotsError as error:
         by_verification = isinstance(error, PlanningError) and 'breaks a limit' in str(error)
         return MotionFigures(
