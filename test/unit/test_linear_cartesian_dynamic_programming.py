@@ -225,7 +225,7 @@ def test_a_line_that_nothing_can_do_says_so(kuka: BaseRobotModel) -> None:
 
 def test_routes_are_continuous(kuka: BaseRobotModel) -> None:
     start, target = moved(kuka, kuka.home, [0.0, 0.3, 0.0], [0.0, 0.0, 0.0])
-    graph = ConfigurationGraph(kuka, PathInverseKinematics(kuka))
+    graph = ConfigurationGraph(PathInverseKinematics(kuka))
     for route in graph.routes(CartesianLine(start, target), kuka.home):
         np.testing.assert_array_equal(route[0].joints.q[0], kuka.home)
         for before, after in pairwise(route):
@@ -249,9 +249,7 @@ def test_the_fastest_route_is_taken(kuka: BaseRobotModel, offset: list[float]) -
 
 def test_whole_turns_of_axes_are_routes_as_long_as_limits_allow(kuka: BaseRobotModel) -> None:
     start, target = moved(kuka, kuka.home, [0.0, 0.3, 0.0], [0.0, 0.0, 0.0])
-    routes = ConfigurationGraph(kuka, PathInverseKinematics(kuka)).routes(
-        CartesianLine(start, target), kuka.home
-    )
+    routes = ConfigurationGraph(PathInverseKinematics(kuka)).routes(CartesianLine(start, target), kuka.home)
     ends = np.array([route[-1].joints.q[-1] for route in routes])
     turns = (ends[:, None] - ends[None]) / (2.0 * np.pi)
     whole = np.abs(turns - np.round(turns)).max(axis=2) < 1e-9

@@ -7,9 +7,7 @@ import numpy as np
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.errors import NoAnalyticInverseKinematicsError, PlanningError
-from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece, joined
@@ -40,26 +38,17 @@ class ConfigurationGraph:
     followed. The path of the pseudo-inverse (smallest joint velocities) is a further candidate.
 
     Args:
-        robot: The robot.
         kinematics: Inverse kinematics along paths.
-        tool: Pose of the tool centre point in tool0.
     """
 
-    def __init__(
-        self, robot: BaseRobotModel, kinematics: PathInverseKinematics, tool: Pose | None = None
-    ) -> None:
-        self._robot, self._kinematics, self._tool = robot, kinematics, tool
-        self._axes = robot.axes_data
-        self._chain = SerialChain.of(robot, tool).arrays
-        self._limits = np.array([self._axes.lower, self._axes.upper])
+    def __init__(self, kinematics: PathInverseKinematics) -> None:
+        self._kinematics, self._axes = kinematics, kinematics.robot.axes_data
         self._analytic: AnalyticalInverseKinematic | None
         try:
-            self._analytic = AnalyticalInverseKinematic(robot, tool=tool)
+            self._analytic = AnalyticalInverseKinematic(kinematics.robot, tool=kinematics.tool)
         except NoAnalyticInverseKinematicsError:
             self._analytic = None
-        self._passage = (
-            None if self._analytic is None else SingularityPassage(robot, kinematics, self._analytic, tool)
-        )
+        self._passage = None if self._analytic is None else SingularityPassage(kinematics, self._analytic)
 
     def routes(self, path: CartesianPath, start: Array) -> list[Route]:
         """Candidate routes along a path that starts at joint positions `start`, (n,); at least one.
@@ -72,7 +61,7 @@ class ConfigurationGraph:
         part = self._kinematics.follow_far(path, start, inside_limits=True)
         if part.end == 1.0:
             found.append((joined([part]),))
-        if self._robot.num_axes > 6:
+        if self._axes.num_axes > 6:
             guided = self._guided(path, start)
             if guided is not None:
                 found.append((RoutePiece(guided, 0.0, 1.0),))
@@ -85,18 +74,19 @@ class ConfigurationGraph:
     # More than six axes
 
     def _guided(self, path: CartesianPath, start: Array) -> JointPath | None:
-        n = self._robot.num_axes
+        n = self._axes.num_axes
         count = int(np.clip(np.ceil((path.length + path.angle) / LAYER_LENGTH), *LAYERS))
         s = np.linspace(0.0, 1.0, count + 1)
         layers, chosen = np.empty((count + 1, MAX_CONFIGURATIONS, n)), np.empty((count + 1, n))
         begin = np.array(start, dtype=np.float64)  # read-only arrays would be compiled for once more
-        reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
+        chain, limits = self._kinematics.chain.arrays, self._kinematics.limits
+        reached, counts = follow_layers(chain, limits, path.arrays, s, begin, layers)
         if reached <= count or fastest_sequence(layers, counts, self._axes.velocity, chosen) <= count:
             return None
         interpolate = import_module('scipy.interpolate')  # imported on demand: few paths come here
         for rounds in RELAXATIONS:
             smooth = chosen.copy()
-            relax(self._chain, self._limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
+            relax(chain, limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
             spline = interpolate.CubicSpline(s, smooth, axis=0, bc_type='natural')
             followed = self._kinematics.follow_guided(path, start, s, np.ascontiguousarray(spline.c), PULL)
             if followed is not None:
@@ -136,6 +126,6 @@ class ConfigurationGraph:
             return list(self._analytic.solve_all(pose, turns=True))
         rng, axes = np.random.default_rng(0), self._axes
         low, high = axes.one_turn
-        search = DampedLeastSquares(self._robot, tool=self._tool, restarts=0)
+        search = DampedLeastSquares(self._kinematics.robot, tool=self._kinematics.tool, restarts=0)
         results = [search.solve(pose, rng.uniform(low, high)) for _ in range(OTHER_STARTS)]
         return [result.q for result in results if result.converged]

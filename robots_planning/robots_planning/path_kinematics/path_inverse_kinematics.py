@@ -58,12 +58,12 @@ class PathInverseKinematics:
     """
 
     def __init__(self, robot: BaseRobotModel, tool: Pose | None = None, *, hold: str = '') -> None:
-        self._robot = robot
+        self.robot, self.tool = robot, tool
         self.hold = held_by(robot.num_axes, hold)
         self._axes = robot.axes_data
-        self._tool = tool
-        self._chain = SerialChain.of(robot, tool)
-        self._limits = np.array([self._axes.lower, self._axes.upper])
+        self.chain = SerialChain.of(robot, tool)
+        self.limits = np.array([self._axes.lower, self._axes.upper])
+        """Lowest and highest joint positions, (2, n)."""
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
         self._rows = None if self.hold == POSE else condition_rows(self.hold, n)
@@ -77,11 +77,11 @@ class PathInverseKinematics:
 
     @cached_property
     def _closest(self) -> DampedLeastSquares | HeldInverseKinematics:
-        return inverse_kinematics_for(self._robot, tool=self._tool, hold=self.hold)
+        return inverse_kinematics_for(self.robot, tool=self.tool, hold=self.hold)
 
     def pose(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
-        return self._chain.forward(q)
+        return self.chain.forward(q)
 
     def follow(self, path: CartesianPath, start: Array) -> JointPath:
         """The joint path (k samples) of a path that begins at joint positions `start`, (n,).
@@ -90,7 +90,7 @@ class PathInverseKinematics:
             PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; names the
                 fraction of the path, the joint, its value and bound, and what would help.
         """
-        result, count = self._fill(path, start, self._limits)
+        result, count = self._fill(path, start, self.limits)
         s, q, _, _ = self._samples
         if result == FOLLOWED:
             return JointPath(*self._filled(count))
@@ -110,7 +110,7 @@ class PathInverseKinematics:
 
     def follow_far(self, path: CartesianPath, start: Array, *, inside_limits: bool = False) -> FollowedPart:
         """Follow as far as possible; axis limits are ignored unless `inside_limits`."""
-        result, count = self._fill(path, start, self._limits if inside_limits else self._endless)
+        result, count = self._fill(path, start, self.limits if inside_limits else self._endless)
         blocked = result in {BLOCKED, SINGULAR_START}
         if count < 2:
             return FollowedPart(None, 0.0, 0.0, blocked)
@@ -120,7 +120,7 @@ class PathInverseKinematics:
         self, path: CartesianPath, start: Array, breaks: Array, guide: Array, pull: float
     ) -> JointPath | None:
         """Follow with self-motion towards a guide, see `FreeAxes`; None if that fails."""
-        result, count = self._fill(path, start, self._limits, FreeAxes(pull, breaks, guide))
+        result, count = self._fill(path, start, self.limits, FreeAxes(pull, breaks, guide))
         return JointPath(*self._filled(count)) if result == FOLLOWED else None
 
     def _fill(
@@ -129,7 +129,7 @@ class PathInverseKinematics:
         """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
         free = guided or self._unguided
-        return follow(self._chain.arrays, limits, path.arrays, free, self._rows, begin, self._samples)
+        return follow(self.chain.arrays, limits, path.arrays, free, self._rows, begin, self._samples)
 
     def _filled(self, count: int) -> JointSamples:
         """Copy of the first samples, with s scaled to [0, 1]."""
@@ -166,24 +166,24 @@ class PathInverseKinematics:
         if near.converged:
             return self._singular(path, fraction, q)
         return PlanningError(
-            f'the {path.kind} leaves the reach of {self._robot.name} at {100.0 * fraction:.1f} % of its '
+            f'the {path.kind} leaves the reach of {self.robot.name} at {100.0 * fraction:.1f} % of its '
             f'{path.describe_length()}: the closest pose found for {100.0 * s:.1f} % is '
             f'{describe_miss(near, self.hold)} off; move the {path.kind} closer to the robot or turn the tool'
-            f'{missing_directions(self._robot, near.q, self.hold)}',
+            f'{missing_directions(self.robot, near.q, self.hold)}',
             fraction=fraction,
             position_error=near.position_error,
             orientation_error=near.orientation_error,
         )
 
     def _singular(self, path: CartesianPath, fraction: float, q: Array) -> PlanningError:
-        J = self._robot.jacobian(q)
+        J = self.robot.jacobian(q)
         _, values, directions = np.linalg.svd(J[:3] if self.hold == POSITION else J)
         axis = int(np.argmax(np.abs(directions[len(values) - 1])))
         name = self._axes.names[axis]
         if self.hold == DIRECTIONS:
             return PlanningError(
                 f'the orientation closest to that of the {path.kind} ends or jumps at '
-                f'{100.0 * fraction:.1f} % of its {path.describe_length()}: {self._robot.name} cannot turn '
+                f'{100.0 * fraction:.1f} % of its {path.describe_length()}: {self.robot.name} cannot turn '
                 f"the tool as it should there; hold the 'position' alone, or turn the tool less",
                 fraction=fraction,
                 joint=name,

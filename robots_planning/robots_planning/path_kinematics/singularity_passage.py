@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
-from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
@@ -45,22 +43,12 @@ class SingularityPassage:
     usable if the axes can turn to its joint positions there while the tool stands still.
 
     Args:
-        robot: The robot, of six axes or less.
-        kinematics: Inverse kinematics along paths.
+        kinematics: Inverse kinematics along paths, of a robot of six axes or less.
         analytic: All joint positions for a pose of the tool.
-        tool: Pose of the tool centre point in tool0.
     """
 
-    def __init__(
-        self,
-        robot: BaseRobotModel,
-        kinematics: PathInverseKinematics,
-        analytic: AnalyticalInverseKinematic,
-        tool: Pose | None,
-    ) -> None:
+    def __init__(self, kinematics: PathInverseKinematics, analytic: AnalyticalInverseKinematic) -> None:
         self._kinematics, self._analytic = kinematics, analytic
-        self._chain = SerialChain.of(robot, tool).arrays
-        self._limits = np.array([robot.axes_data.lower, robot.axes_data.upper])
 
     def routes(self, path: CartesianPath, start: Array, before: FollowedPart) -> list[Route]:
         """Routes along a path on which following from `start` ends in a singularity.
@@ -132,7 +120,8 @@ class SingularityPassage:
         still = np.empty(len(branch.turns), dtype=np.bool_)
         ends = branch.back[0].first + branch.turns
         begin = np.array(turning)  # read-only arrays would be compiled for once more
-        stand_still(self._chain, self._limits, path.arrays, place, begin, ends, still)
+        limits = self._kinematics.limits
+        stand_still(self._kinematics.chain.arrays, limits, path.arrays, place, begin, ends, still)
         if not still.any():
             return
         rest = self._kinematics.follow_far(ahead, branch.q)
@@ -141,5 +130,5 @@ class SingularityPassage:
         onward = joined([*branch.back, FollowedPart(rest.samples, branch.back[-1].end, 1.0)])
         for turn in branch.turns[still]:
             piece = onward.turned(turn)
-            if stays_inside(self._limits, piece.joints.samples):
+            if stays_inside(limits, piece.joints.samples):
                 yield piece

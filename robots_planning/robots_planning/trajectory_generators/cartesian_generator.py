@@ -93,7 +93,7 @@ class CartesianGenerator(TrajectoryGenerator):
         fastest = one_of('planner', get_args(Planner))(planner) == 'dynamic_programming'
         self.keeps_torque = fastest and torque
         if self.hold == POSE and fastest:
-            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
+            self.configuration_graph = ConfigurationGraph(self.path_kinematics)
         smoothed = {'ramp': SMOOTHING_SHARE, 'longest_ramp': positive(smoothing, 'smoothing', 's')}
         self._timing = TimeOptimalTiming(
             robot,
