@@ -60,7 +60,7 @@ def joint_motions_around_obstacles() -> None:
     robot, start = robot_in_use(), _start()
     collision = CollisionDetection(robot)
     CollisionFreeJoint(robot, collision=collision).generate(start, robot.home)
-    FreePathSearch(robot, collision, margin=0.0, budget=0.01).path_around(start, robot.home[None])
+    FreePathSearch(collision, margin=0.0, budget=0.01).path_around(start, robot.home[None])
 
 
 def lines_at_limited_speed() -> None:

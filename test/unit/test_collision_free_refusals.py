@@ -147,7 +147,7 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
         asked.append(int(certificate.work[0]))
         return len(asked) > 1
 
-    search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=10.0)
+    search = FreePathSearch(divided_room(), margin=MARGIN, budget=10.0)
     certificate, _ = divided_room().certificate(SIDES[0], margin=MARGIN)
     with pytest.raises(SearchCancelledError):
         search.path(SIDES[0], SIDES[1:], cancelled)
@@ -162,7 +162,7 @@ def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyP
     def looked_at(pairs: int) -> tuple[int, int]:
         monkeypatch.setattr(free_path_search, 'PAIRS', pairs)
         asked: list[None] = []
-        search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=0.2)
+        search = FreePathSearch(divided_room(), margin=MARGIN, budget=0.2)
         with pytest.raises(NoFreePathError):
             search.path(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
         return int(certificate.work[0]), len(asked)

@@ -13,7 +13,6 @@ from robots_core.blocks.collision.along_paths.path_certificate import FREE, Path
 from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.free_paths.search_kernel import Random, Tree, duration, grow, shorten
 
@@ -67,7 +66,6 @@ class FreePathSearch:
     A detour is searched for once more, in a small part of the budget, and the faster of both paths is kept.
 
     Args:
-        robot: The robot.
         detection: Of the robot in its scene.
         margin: Distance that the path keeps, m, from 0.
         budget: Longest search, s, at `POSTURES_PER_SECOND`.
@@ -76,14 +74,13 @@ class FreePathSearch:
 
     def __init__(
         self,
-        robot: BaseRobotModel,
         detection: CollisionDetection,
         *,
         margin: float,
         budget: float,
         seed: int = 0,
     ) -> None:
-        axes = self._axes = robot.axes_data
+        axes = self._axes = detection.robot.axes_data
         self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration])
         self._detection, self._margin = detection, margin
         self._budget, self._seed = budget, seed

@@ -10,7 +10,6 @@ from robots_core.blocks.collision.along_paths.path_certificate import FREE
 from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 SAME: Final = 1e-6  # rad (m)
@@ -24,7 +23,7 @@ class BlockedPostureError(PlanningError):
     remedy = 'Jog the robot away from the contact, or choose another target or configuration.'
 
 
-def check_start(robot: BaseRobotModel, detection: CollisionDetection, start: Array) -> None:
+def check_start(detection: CollisionDetection, start: Array) -> None:
     """Pass a posture (n,) in which nothing is in contact: what is too close can be left, a contact cannot.
 
     Raises:
@@ -34,15 +33,15 @@ def check_start(robot: BaseRobotModel, detection: CollisionDetection, start: Arr
     if closest is None or not closest.in_contact:
         return
     raise BlockedPostureError(
-        f'the start collides: {closest.describe()}; {_way_out(robot, detection, start)}',
+        f'the start collides: {closest.describe()}; {_way_out(detection, start)}',
         link=closest.first,
         obstacle=closest.second,
     )
 
 
-def _way_out(robot: BaseRobotModel, detection: CollisionDetection, start: Array) -> str:
+def _way_out(detection: CollisionDetection, start: Array) -> str:
     """The smallest of a few jogs of one axis after which nothing is in contact, the farthest away first."""
-    axes = robot.axes_data
+    axes = detection.robot.axes_data
     for way in JOGS:
         best, text = 0.0, ''
         for axis in range(axes.num_axes):

@@ -132,14 +132,12 @@ class CollisionFreeJoint(JointSpaceGenerator):
                 f'{self.robot.name} has no collision shapes, so that it can avoid nothing; its URDF needs '
                 '<collision> in its links'
             )
-        check_start(self.robot, collision, start)
+        check_start(collision, start)
         reasons = [blocked_target(collision, start, goal, self.margin) for goal in goals]
         free = goals[[reason is None for reason in reasons]]
         if not len(free):
             raise _all_blocked([reason for reason in reasons if reason is not None])
-        search = FreePathSearch(
-            self.robot, collision, margin=self.margin, budget=self._budget, seed=self._seed
-        )
+        search = FreePathSearch(collision, margin=self.margin, budget=self._budget, seed=self._seed)
         return search.path(start, free, self._cancelled)
 
     def _goals(self, start: Array, target: Target) -> Array:
