@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import CellPort
+from robots_controller.program.cell_port import DetachedCell
 from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
@@ -19,9 +19,9 @@ from robots_core.errors import ProgramError, RobotsError
 DEADLINE = 120.0  # s, for programs that should need milliseconds
 
 
-def cell_with(**functions: Callable[..., Any]) -> CellPort:
+def cell_with(**functions: Callable[..., Any]) -> DetachedCell:
     """A cell without a robot, except for some functions of its port, or of that of its robot."""
-    cell = CellPort()
+    cell = DetachedCell()
     for name, function in functions.items():
         port = cell.robot if hasattr(cell.robot, name) else cell
         assert callable(getattr(port, name)), name
@@ -50,7 +50,7 @@ class LuaHost:
         functions = {
             name: options.pop(name)
             for name in tuple(options)
-            if hasattr(CellPort, name) or hasattr(ProgramRobot, name)
+            if hasattr(DetachedCell, name) or hasattr(ProgramRobot, name)
         }
         self.program = LuaProgram(
             num_axes,

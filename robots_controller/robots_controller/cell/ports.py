@@ -95,8 +95,8 @@ class RobotPort(Protocol):
         """
 
 
-class ProgramObserver:
-    """The observers of a program: operators, recorders, editors. Reports have no effect here."""
+class ProgramObserver(Protocol):
+    """The observers of a program: operators, recorders, editors."""
 
     def command_state(self, state: RobotCommandState) -> None:
         """What the robot is commanded to do."""

@@ -17,7 +17,6 @@ from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
-from robots_controller.program.cell_port import CellPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_robot import ProgramRobot
@@ -30,7 +29,7 @@ from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
-class ProgramHost(CellPort):
+class ProgramHost:
     """A program, its motions, the outputs that they switch, and the reports of all that.
 
     It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,

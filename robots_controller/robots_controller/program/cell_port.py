@@ -1,32 +1,31 @@
 """CellPort: what a robot program needs of the cell that it runs in."""
 
-from robots_controller.program.clock import Clock
+from typing import Protocol
+
+from robots_controller.program.clock import Clock, WallClock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_robot import ProgramRobot
+from robots_controller.program.program_robot import ProgramRobot, UnknownRobot
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
 from robots_planning.motion_settings import NOTHING
 
 
-class CellPort:
+class CellPort(Protocol):
     """Requests of a program to its cell, and reports of what the program does.
 
-    This one is a cell without a robot, where they have no effect. Every method but `hold` and `started` is
-    called from the program's thread.
-
-    Attributes:
-        clock: The time that the program's waits take.
-        robot: What the robot measures, and its kinematics.
-        payload: What the robot carries where the program does not set it: mass and centre of mass, kg and m.
-        simulated: Time is simulated: a held program continues at once, and no value is kept after the run.
+    Every method but `hold` and `started` is called from the program's thread.
     """
 
-    clock = Clock()
-    payload: tuple[float, ...] = NOTHING
-    simulated = False
+    @property
+    def clock(self) -> Clock:
+        """The time that the program's waits take."""
 
-    def __init__(self) -> None:
-        self.robot = ProgramRobot()
+    robot: ProgramRobot
+    """What the robot measures, and its kinematics."""
+
+    @property
+    def payload(self) -> tuple[float, ...]:
+        """What the robot carries where the program does not set it: mass and centre of mass, kg and m."""
 
     def command(self, command: MotionCommand) -> None:
         """Start a motion; the cell ends it with `LuaProgram.finish_motion`.
@@ -60,6 +59,10 @@ class CellPort:
     def switch_at_target(self, change: OutputChange) -> None:
         """Switch an output when the robot is at the target of the last motion, or now if it stands."""
 
+    @property
+    def simulated(self) -> bool:
+        """Time is simulated: a held program continues at once, and no value is kept after the run."""
+
     def printed(self, text: str, line: int) -> None:
         """The program printed a text on a line."""
 
@@ -77,3 +80,17 @@ class CellPort:
 
     def ended(self, error: ProgramError | None) -> None:
         """The program has ended: None, or why it failed. `LuaProgram.run_state` distinguishes a stop."""
+
+
+class DetachedCell(CellPort):
+    """A cell without a robot, in the machine's time. For checks, and as a base of partial cells.
+
+    Requests and reports have no effect: those of the port itself, whose bodies are empty.
+    """
+
+    clock = WallClock()
+    payload = NOTHING
+    simulated = False
+
+    def __init__(self) -> None:
+        self.robot: ProgramRobot = UnknownRobot()

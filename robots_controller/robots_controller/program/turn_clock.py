@@ -5,8 +5,6 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-from robots_controller.program.clock import Clock
-
 NANOSECONDS: Final = 1_000_000_000
 # A program that reads an input in a loop without waiting would let no time pass for the input to change.
 CALLS_PER_PERIOD: Final = 200
@@ -17,7 +15,7 @@ SPELLS_WITHOUT_TIME: Final = 20
 CALLS_PERIOD: Final = 0.004  # s
 
 
-class TurnClock(Clock):
+class TurnClock:
     """Time that stands still while the program computes, and passes while it waits (see `Clock`).
 
     The program's thread and the cell's take turns: while one works, the other one waits for it, so that
@@ -28,7 +26,7 @@ class TurnClock(Clock):
         period: Time that passes for a program that calls functions again and again without waiting, s.
     """
 
-    spell = float(INSTRUCTIONS_PER_PERIOD)
+    spell: Final[float] = INSTRUCTIONS_PER_PERIOD
 
     def __init__(self, stamp: Callable[[], int], period: float = CALLS_PERIOD) -> None:
         self._stamp = stamp

@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.cell.guide_recording import GuidingMessage
-from robots_controller.cell.ports import ProgramObserver
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
@@ -45,8 +44,8 @@ from robots_planning.robot_command_state import RobotCommandState
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 
 
-class CellLog(ProgramObserver):
-    """Called by the thread that has the turn, see `SimulatedClock`.
+class CellLog:
+    """Called by the thread that has the turn, see `SimulatedClock`; a `ProgramObserver`.
 
     Args:
         events: Takes the events.
@@ -154,6 +153,12 @@ class CellLog(ProgramObserver):
         """See `ProgramObserver`."""
         if not id_ and error is not None:
             self._motions.refused(command, error, self._clock.elapsed)
+
+    def held_changed(self) -> None:
+        """See `ProgramObserver`; the status is written."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """See `ProgramObserver`; the status is written."""
 
     def override(self, value: float) -> None:
         """The program scales the speed."""
