@@ -17,6 +17,7 @@ from asyncua.server.internal_subscription import InternalSubscription
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from plant_partners import Partner, free_port
+from robots_core.garbage import garbage_kept
 
 
 def certificate(folder: Path, name: str) -> tuple[str, str]:
@@ -88,7 +89,8 @@ class OpcuaPartner(Partner):
 
     async def _made(self, variables: dict[str, Any], certificate: tuple[str, str]) -> Any:
         server = opcua.Server(user_manager=self)
-        await server.init()
+        with garbage_kept():
+            await server.init()
         server.set_endpoint(self.endpoint)
         await server.load_certificate(certificate[0])
         await server.load_private_key(certificate[1])

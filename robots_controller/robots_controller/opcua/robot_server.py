@@ -24,6 +24,7 @@ from robots_controller.opcua.task_control import TaskControl
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError
 from robots_core.free_port import free_port
+from robots_core.garbage import garbage_kept
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 
@@ -94,7 +95,8 @@ class RobotServer:
 
     async def _open(self) -> None:
         server = Server(user_manager=self._access)
-        await server.init()
+        with garbage_kept():  # thousands of nodes of the specifications
+            await server.init()
         server.set_endpoint(self.url)
         server.set_server_name(f'Robots: {self._robot.name}')
         settings, policies = self._settings, [ua.SecurityPolicyType.NoSecurity]

@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 
 from numpy.typing import NDArray
 
+from robots_core.garbage import garbage_kept
 from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
-from robots_core.kernels.loaded_numba import garbage_kept, nb
+from robots_core.kernels.loaded_numba import nb
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 

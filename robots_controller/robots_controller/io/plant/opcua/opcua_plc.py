@@ -11,6 +11,7 @@ from robots_controller.io.plant.loop_thread import LoopThread
 from robots_controller.io.plant.opcua.opcua_frames import start_guarded
 from robots_controller.io.plant.plant_link import library
 from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
+from robots_core.garbage import garbage_kept
 
 NAMESPACE: Final = 'urn:robots:plc'
 
@@ -39,7 +40,8 @@ class OpcuaPlc:
     async def _open(self, sizes: Mapping[str, int], port: int) -> Any:
         callbacks = library('asyncua.common.callback', 'asyncua', 'opcua')
         ua, server = self._library.ua, self._library.Server()
-        await server.init()
+        with garbage_kept():  # thousands of nodes of the specification
+            await server.init()
         server.set_endpoint(f'opc.tcp://{HOST}:{port}')
         server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
         index = await server.register_namespace(NAMESPACE)
