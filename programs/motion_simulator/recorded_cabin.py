@@ -69,10 +69,10 @@ class RecordedCabin:
 
     def tracking(self) -> tuple[Array, Array]:
         """Distance (l,) m and angle (l,) rad of the head by the drives to what the cueing asks for."""
-        wanted = np.array([step.cabin[0] for step in self.steps])
+        columns = np.array([step.cabin[0] for step in self.steps]).T
+        wanted = np.column_stack([np.interp(self.drive_time, self.time, column) for column in columns])
         errors = []
-        for time, q in zip(self.drive_time, self.drives[0], strict=True):
-            row = [np.interp(time, self.time, column) for column in wanted.T]
+        for row, q in zip(wanted, self.drives[0], strict=True):
             there = Pose.from_angles(row[:3], row[:2:-1])
             errors.append(self.cabin.head_at(Pose(*self.robot.direct_kinematics(q))).distance_to(there))
         position, angle = np.array(errors).T

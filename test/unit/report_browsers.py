@@ -6,8 +6,11 @@ import importlib.util
 import json
 import os
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from playwright.sync_api import Browser
 
 from installed_browsers import DEADLINE, browser, installed_browser
 
@@ -60,15 +63,15 @@ class Opened:
     colours: list[tuple[str, int]]
 
 
-def open_page(name: str, path: Path, folder: Path) -> Opened:
-    """Open a page in a headless browser.
+def open_pages(name: str, paths: Sequence[Path], folder: Path) -> list[Opened]:
+    """Open pages in a headless browser: a Chromium takes longer to start than to open them all.
 
     Args:
         name: One of `BROWSERS`.
-        path: The page.
+        paths: The pages.
         folder: That of kaleido.
     """
-    return _open_in_kaleido(path, folder) if name == KALEIDO else _open_in_chrome(path)
+    return [_open_in_kaleido(path, folder) for path in paths] if name == KALEIDO else _open_in_chrome(paths)
 
 
 def _open_in_kaleido(path: Path, folder: Path) -> Opened:
@@ -99,11 +102,16 @@ def _open_in_kaleido(path: Path, folder: Path) -> Opened:
     return Opened(told['errors'], [(label, count) for label, count in told['colours']])
 
 
-def _open_in_chrome(path: Path) -> Opened:
-    """Open a page in the browser of this machine."""
-    errors: list[str] = []
+def _open_in_chrome(paths: Sequence[Path]) -> list[Opened]:
+    """Open pages in the browser of this machine."""
     with browser(*SOFTWARE_RENDERING) as running:
-        page = running.new_page()
+        return [_opened(running, path) for path in paths]
+
+
+def _opened(running: Browser, path: Path) -> Opened:
+    errors: list[str] = []
+    with running.new_context() as context:
+        page = context.new_page()
         page.set_default_timeout(1e3 * DEADLINE)
         page.on('pageerror', lambda error: errors.append(str(error)))
         page.on('console', lambda said: errors.append(said.text) if said.type == 'error' else None)

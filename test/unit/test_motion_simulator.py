@@ -12,7 +12,7 @@ import pytest
 from guiding_messages import car_header, joy
 from motion_simulator.double_lane_change import DoubleLaneChange
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin, reasons
-from motion_simulator.references import IMU_RATE, lane_change, recorded, write
+from motion_simulator.references import IMU_RATE, VehicleRecording, lane_change, recorded, write
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
@@ -59,9 +59,10 @@ def test_the_car_feels_what_its_path_says() -> None:
 def test_the_car_turns_as_its_path_does() -> None:
     car = DoubleLaneChange()
     times = np.arange(0.0, car.duration, 0.01)
-    yaw = sum(car.motion(time).angular_velocity[2] for time in times) * 0.01
+    motions = [car.motion(time) for time in times]
+    yaw = sum(motion.angular_velocity[2] for motion in motions) * 0.01
     assert yaw == pytest.approx(0.0, abs=1e-3)  # along the road at both ends
-    forward = sum(car.motion(time).specific_force[0] for time in times) * 0.01
+    forward = sum(motion.specific_force[0] for motion in motions) * 0.01
     assert forward == pytest.approx(0.0, abs=0.2)  # at rest at both ends; it leans and turns in between
 
 
@@ -90,8 +91,14 @@ def test_the_programs_name_what_moves_their_robots(capsys: pytest.CaptureFixture
         assert CHECK_PROGRAM.run([str(program)]) == 0, capsys.readouterr().out
 
 
-def test_the_recording_of_the_programs_is_that_of_the_generator() -> None:
-    made, kept = lane_change(), recorded(BAG)
+@pytest.fixture(scope='module')
+def kept() -> VehicleRecording:
+    """The recording of the programs."""
+    return recorded(BAG)
+
+
+def test_the_recording_of_the_programs_is_that_of_the_generator(kept: VehicleRecording) -> None:
+    made = lane_change()
     assert list(read_bag(BAG).topics) == ['/vehicle_imu']
     np.testing.assert_allclose(kept.time, made.time, atol=1e-9)
     for field in ('specific_force', 'angular_velocity'):
@@ -100,8 +107,8 @@ def test_the_recording_of_the_programs_is_that_of_the_generator() -> None:
 
 
 @pytest.mark.parametrize('cabin', ['cabin.yaml', 'cabin_on_axis.yaml'])
-def test_the_manoeuvre_stays_inside_the_envelope(cabin: str) -> None:
-    kept, cockpit = recorded(BAG), Cockpit(read_cabin(FOLDER / cabin), 1.0 / IMU_RATE)
+def test_the_manoeuvre_stays_inside_the_envelope(cabin: str, kept: VehicleRecording) -> None:
+    cockpit = Cockpit(read_cabin(FOLDER / cabin), 1.0 / IMU_RATE)
     steps = []
     for motion in kept.motions:
         cockpit.take(motion)

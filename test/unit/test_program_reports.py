@@ -7,6 +7,8 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from functools import cache
 from io import StringIO
 from pathlib import Path
 
@@ -19,9 +21,9 @@ from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import parse_options, run
 from robots_core.exit_codes import ExitCode
-from short_programs import PROGRAMS, short_copy
+from short_programs import PROGRAMS, SHORTEST, short_copy
 
-from .report_browsers import BROWSERS, open_page
+from .report_browsers import BROWSERS, open_pages
 from .test_report_page import Page
 
 DEADLINE = 100.0  # s
@@ -41,16 +43,30 @@ def simulated(folder: Path, program: Path, *options: str) -> int:
     return run(parse_options([str(program), *outputs, *options]), Console(quiet=True))
 
 
-@pytest.mark.parametrize('program', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.stem)
-def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
-    failed = program.stem in FAIL
-    path = program if program.stem in WHOLE else short_copy(tmp_path / 'programs', program.name)
-    assert simulated(tmp_path, path) == (ExitCode.FAILED if failed else ExitCode.OK)
-    path = tmp_path / 'report.html'
+@pytest.fixture(scope='module')
+def report_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[int, Path]]:
+    """Exit code of the simulation of a program, and its report; each is simulated once."""
+
+    @cache
+    def made(name: str) -> tuple[int, Path]:
+        folder, program = tmp_path_factory.mktemp(name), f'{name}.lua'
+        path = PROGRAMS / program if name in WHOLE else short_copy(folder / 'programs', program, SHORTEST)
+        return simulated(folder, path), folder / 'report.html'
+
+    return made
+
+
+@pytest.mark.parametrize('program', sorted(path.stem for path in PROGRAMS.glob('*.lua')))
+def test_its_report_opens_without_an_error(program: str, report_of: Callable[[str], tuple[int, Path]]):
+    code, path = report_of(program)
+    assert code == (ExitCode.FAILED if program in FAIL else ExitCode.OK)
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
-    if program.stem in OPENED:
-        # One browser is enough: `test_report_page` opens its reports in each.
-        opened = open_page(BROWSERS[-1], path, tmp_path / 'browser')
+
+
+def test_reports_open_in_a_browser(report_of: Callable[[str], tuple[int, Path]], tmp_path: Path):
+    paths = [report_of(name)[1] for name in OPENED]
+    # One browser is enough: `test_report_page` opens its reports in each.
+    for opened in open_pages(BROWSERS[-1], paths, tmp_path / 'browser'):
         assert opened.errors == []
         # Every plot is drawn, and the robot shaded.
         assert all(colours > 2 for _, colours in opened.colours)

@@ -18,9 +18,10 @@ from robots_controller.report.run_report import run_report
 from robots_core.errors import RobotsError
 
 from .report_bags import tending_bag
-from .report_browsers import BROWSERS, open_page
+from .report_browsers import BROWSERS, Opened, open_pages
 
 STUB = Path(__file__).with_name('dom_stub.js')
+BREAKING = {'thrown': 'throw new Error("it broke")', 'rejected': 'Promise.reject("it broke")'}
 HOSTILE = '-- </script><img src=x onerror=alert(1)>'
 
 
@@ -120,26 +121,35 @@ def test_the_robot_is_drawn(page: Page):
     assert calls['drawArrays'] == 1 + len(page.data['world']['robots'])
 
 
-@pytest.mark.parametrize('browser', BROWSERS)
-@pytest.mark.parametrize('script', ['throw new Error("it broke")', 'Promise.reject("it broke")'])
-def test_browsers_report_what_goes_wrong(browser: str, script: str, tmp_path: Path):
-    path = tmp_path / 'page.html'
-    path.write_text(f'<canvas aria-label="empty"></canvas><script>{script}</script>', encoding='utf-8')
-    opened = open_page(browser, path, tmp_path / 'browser')
-    assert 'it broke' in opened.errors[0]
-    assert opened.colours == [('empty', 1)]
+@pytest.fixture(scope='module', params=BROWSERS)
+def opened(
+    request: pytest.FixtureRequest, texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Opened]:
+    """The pages, and two that break, as a browser has opened them."""
+    folder = tmp_path_factory.mktemp('opened')
+    broken = {
+        name: f'<canvas aria-label="empty"></canvas><script>{script}</script>'
+        for name, script in BREAKING.items()
+    }
+    paths = []
+    for name, text in (texts | broken).items():
+        paths.append(folder / f'{name}.html')
+        paths[-1].write_text(text, encoding='utf-8')
+    return dict(zip([*texts, *broken], open_pages(request.param, paths, folder / 'browser'), strict=True))
 
 
-@pytest.mark.parametrize('browser', BROWSERS)
+@pytest.mark.parametrize('script', BREAKING)
+def test_browsers_report_what_goes_wrong(script: str, opened: dict[str, Opened]):
+    assert 'it broke' in opened[script].errors[0]
+    assert opened[script].colours == [('empty', 1)]
+
+
 @pytest.mark.parametrize('kind', ['report', 'comparison'])
-def test_it_opens_without_an_error(browser: str, kind: str, texts: dict[str, str], tmp_path: Path):
-    path = tmp_path / 'report.html'
-    path.write_text(texts[kind], encoding='utf-8')
-    opened = open_page(browser, path, tmp_path / 'browser')
-    assert opened.errors == []
+def test_it_opens_without_an_error(kind: str, texts: dict[str, str], opened: dict[str, Opened]):
+    assert opened[kind].errors == []
     plots = {panel['title'] for panel in Page(texts[kind]).data['panels']}
-    assert {label for label, _ in opened.colours} == {*plots, 'robot'}
-    for label, colours in opened.colours:
+    assert {label for label, _ in opened[kind].colours} == {*plots, 'robot'}
+    for label, colours in opened[kind].colours:
         # Frame, ticks and text alone have some shades of grey: the robot's light has hundreds.
         assert colours > (200 if label == 'robot' else 20), label
 

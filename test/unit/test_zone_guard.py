@@ -120,18 +120,18 @@ def test_a_person_may_jog_back_and_not_further() -> None:
     assert not cell.controller.stops.latched
 
 
-@pytest.mark.parametrize('speed', [0.05, 0.5, 1.8])
+@pytest.mark.parametrize(('speed', 'border'), [(0.05, 0.1), (0.5, 0.8), (1.8, 0.8)])
 @pytest.mark.parametrize('bend', [0.0, 0.3])
-def test_a_stream_brakes_before_a_closed_border(speed: float, bend: float) -> None:
-    zone = wall(0.8)
+def test_a_stream_brakes_before_a_closed_border(speed: float, border: float, bend: float) -> None:
+    zone = wall(border)
     cell = Cell(zone)
-    cell.jog(np.array([speed, bend * speed, -bend * speed]), round(1.6 / speed / PERIOD))
+    cell.jog(np.array([speed, bend * speed, -bend * speed]), round(2.0 * border / speed / PERIOD))
     assert 0.0 < cell.clearance(zone) < 0.01
     assert "'press', which is closed" in cell.controller.obstacle
     velocity = np.array([reference[1] for reference in cell.references])
     assert np.abs(np.diff(velocity, axis=0)).max() <= ROBOT.axes_data.acceleration.max() * PERIOD * 1.001
-    cell.jog(np.array([-speed, 0.0, 0.0]), round(0.4 / speed / PERIOD))
-    assert cell.clearance(zone) > 0.05
+    cell.jog(np.array([-speed, 0.0, 0.0]), round(0.5 * border / speed / PERIOD))
+    assert cell.clearance(zone) > 0.05 * border
     assert not cell.controller.stops.latched
 
 
