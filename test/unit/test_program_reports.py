@@ -110,7 +110,7 @@ def test_a_bar_shows_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monk
     monkeypatch.setattr('robots_controller.simulation.command_line.DRAW_PERIOD', 0.01)
     program = tmp_path / 'long.lua'
     program.write_text(
-        'for i = 1, 12 do\n  ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)\n'
+        'for i = 1, 4 do\n  ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)\n'
         '  ptpJointSpaceAngles(-20, -90, 90, 0, 90, 0)\nend'
     )
     options = parse_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
