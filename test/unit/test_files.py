@@ -51,7 +51,7 @@ LAUGHS = 'a: &a [x, x, x, x, x, x, x, x, x, x]\n' + ''.join(
     [
         (LAUGHS, 'its aliases stand for over 1000000 values'),
         ('a: &a [*a]', 'its aliases stand for over'),
-        ('a: ' + 100_000 * '[', 'nested too deeply'),
+        ('a:\n' + 100_000 * '- ', 'nested too deeply'),
         ('a: !!python/object/apply:os.system [ls]', 'not valid: could not determine a constructor'),
         ('? [1, 2]\n: 3', 'not valid'),
         ('a: ' + 400 * '9', 'not valid: a number of 400 characters is too large'),

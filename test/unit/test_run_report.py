@@ -27,6 +27,12 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> RunReport:
     return run_report(tending_bag(tmp_path_factory.mktemp('report') / 'bag'))
 
 
+@pytest.fixture(scope='module')
+def slow(tmp_path_factory: pytest.TempPathFactory) -> RunReport:
+    """The same with a line that lasts half as long again."""
+    return run_report(tending_bag(tmp_path_factory.mktemp('slow') / 'bag', slower=1.5))
+
+
 def test_robot_and_program_are_those_of_the_bag(report: RunReport):
     assert report.run.robot.name == 'kuka_kr210_r2700'
     assert report.run.program_name == 'made_up.lua'
@@ -131,8 +137,7 @@ def test_a_run_is_as_fast_as_itself(report: RunReport):
     assert 'as fast' in comparison.describe()
 
 
-def test_comparison_says_what_got_slower_and_where(tmp_path: Path, report: RunReport):
-    slow = run_report(tending_bag(tmp_path / 'slow', slower=1.5))
+def test_comparison_says_what_got_slower_and_where(report: RunReport, slow: RunReport):
     comparison = compare_runs(report, slow)
     most = comparison.largest[0]
     assert (most.line.line, most.activity) == (3, 'moving')
@@ -146,8 +151,8 @@ def test_comparison_says_what_got_slower_and_where(tmp_path: Path, report: RunRe
     ('count', 'words'),
     [(1, 'line 3: +'), (2, '; lines 3 and 4 changed by about +'), (6, '; 6 lines changed by about +')],
 )
-def test_lines_that_changed_alike_are_not_ranked(tmp_path: Path, report: RunReport, count: int, words: str):
-    comparison = compare_runs(report, run_report(tending_bag(tmp_path / 'slow', slower=1.5)))
+def test_lines_that_changed_alike_are_not_ranked(report: RunReport, slow: RunReport, count: int, words: str):
+    comparison = compare_runs(report, slow)
     most = comparison.largest[0]
     assert most.after is not None
     alike = tuple(replace(most, after=replace(most.after, line=most.after.line + k)) for k in range(count))

@@ -156,7 +156,7 @@ LAUGHS = 'a: &a [x, x, x, x, x, x, x, x, x, x]\n' + ''.join(
     ('read', 'text', 'message'),
     [
         (xacro_yaml, LAUGHS, 'its aliases stand for over'),
-        (xacro_yaml, 'a: ' + 10_000 * '[', 'nested too deeply'),
+        (xacro_yaml, 'a:\n' + 10_000 * '- ', 'nested too deeply'),
         (xacro_include, 10_000 * '<a>' + 10_000 * '</a>', 'cannot be expanded'),
         (xacro_include, 'no XML', 'cannot be expanded'),
     ],
