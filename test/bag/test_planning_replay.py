@@ -18,9 +18,8 @@ from robots_controller.testing import assert_bag_matches
 from robots_core import Pose, load_robot_model
 from robots_core.ros.lockstep.phases import START
 from robots_planning.motion_kinds import KIND_OF_TOPIC
+from robots_planning.nodes.planning_node import PlanningNode
 from written_bags import write_bag
-
-from .node_process import node_process
 
 SECOND = 1_000_000_000  # ns
 ROBOT = load_robot_model('ur10e')
@@ -84,14 +83,14 @@ def replayed(ros_nodes: Any, bag: Path, recorded: Path, **parameters: object) ->
     recorder = ros_nodes.add(BagRecorder(recorded, namespace='/', lockstep=True, context=ros_nodes.context))
     player = ros_nodes.add(BagPlayer(plan, wait=0.0, **ros_nodes.options(lockstep=True)))
     parameters |= {'robot_model': ROBOT.name, 'lockstep': True}
-    with node_process('robots_planning', 'planning_node', **parameters):
-        run = ros_nodes.coordinate('bag_player', 'planning_node', recorder=recorder)
-        ros_nodes.wait_for(lambda: run.time > START + round(1e9 * plan.duration), what='the end')
-        ros_nodes.call(run.end)
-        ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='the whole bag')
+    planner = ros_nodes.add(PlanningNode(**ros_nodes.options(**parameters)))
+    run = ros_nodes.coordinate('bag_player', 'planning_node', recorder=recorder)
+    ros_nodes.wait_for(lambda: run.time > START + round(1e9 * plan.duration), what='the end')
+    ros_nodes.call(run.end)
+    ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='the whole bag')
     recorder.close()
-    for node in (recorder, player):
-        ros_nodes.call(node.destroy_node)
+    for node in (recorder, player, planner):
+        ros_nodes.destroy(node)
     return recorder.path
 
 

@@ -13,14 +13,14 @@ from std_srvs.srv import Trigger
 
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
+from robots_controller.nodes.io_bridge_node import IoBridgeNode
+from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import assert_bag_matches
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.timed_node import TimedNode
 from written_bags import BAG_TYPES, write_bag
-
-from .node_process import node_process
 
 T = BAG_TYPES.types
 IO_MAP = """
@@ -40,24 +40,24 @@ outputs:
   - {topic: /plc/answer, type: UInt16, bit: 3, channel: digital_output.1, qos: {durability: transient_local}}
   - {topic: /plc/current, type: Float64, channel: analog_output.1, qos: {durability: transient_local}}
 """
-# Answers every part: its number, and half a second of acknowledgement by output 1, with the level doubled.
+# Answers every part: its number, and an acknowledgement by output 1 until it is gone, with the level doubled.
 PROGRAM = """
 for part = 1, 3 do
-  while not getDigitalInput(1) do wait(0.002) end
+  while not getDigitalInput(1) do wait(0.005) end
   setAnalogOutput(1, 2 * getAnalogInput(1) + part)
   setDigitalOutput(1, true)
-  while getDigitalInput(1) do wait(0.002) end
+  while getDigitalInput(1) do wait(0.005) end
   setDigitalOutput(1, false)
 end
-while not getDigitalInput(3) do wait(0.002) end
+while not getDigitalInput(3) do wait(0.005) end
 setDigitalOutput(2, true)
 """
-PARTS = ((0.5, 1.1, 3.0), (1.6, 1.9, 5.0), (2.4, 3.2, 7.0))  # there from, until, level
-BOUNCES = ((3.5, 3.53), (3.56, 3.6), (3.65, 4.2))  # of the contact at bit 8; the last one lasts
+PARTS = ((0.4, 0.7, 3.0), (1.1, 1.3, 5.0), (1.7, 2.1, 7.0))  # there from, until, level
+BOUNCES = ((2.3, 2.33), (2.36, 2.4), (2.45, 2.8))  # of the contact at bit 8; the last one lasts
 DEBOUNCE = 0.1  # s
-WORDS = 450  # of the PLC, at 100 Hz
-END = 4.6  # s
-# The bridge looks every 20 ms, the program every 2 ms.
+WORDS = 300  # of the PLC, at 100 Hz
+END = 3.1  # s
+# The bridge looks every 20 ms, the program every 5 ms.
 DELAY = 0.025  # s
 TOLERANCES = f"""
 align: /plc/words
@@ -155,25 +155,24 @@ def record_answers(ros_nodes: Any, folder: Path) -> Path:
     operator = ros_nodes.add(Operator(**ros_nodes.options(lockstep=True)))
     player = ros_nodes.add(BagPlayer(plan, wait=0.0, **ros_nodes.options(lockstep=True)))
     held = threading.Event()
-    program = {'program': folder / 'parts.lua', 'digital_size': 3, 'analog_size': 2}
-    with (
-        node_process('robots_controller', 'io_bridge_node', io_map=folder / 'map.yaml', lockstep=True),
-        node_process('robots_controller', 'lua_program_node', **program, lockstep=True),
-    ):
-        names = ('operator', 'bag_player', 'io_bridge_node', 'lua_program_node')
-        run = ros_nodes.coordinate(*names, held=True, on_held=held.set, recorder=recorder)
-        ros_nodes.wait_for(held.is_set, what='the first instant')
-        for name in ('open', 'run'):
-            future = operator.ask(name)
-            ros_nodes.wait_for(future.done, what=f'the answer of {name}')
-            assert future.result().success, future.result().message
-        ros_nodes.call(run.release)
-        ros_nodes.wait_for(lambda: run.time > START + round(1e9 * END), what='the end of the recording')
-        ros_nodes.call(run.end)
-        assert player.complete
-        ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='the whole bag')
-        # Before the program's node ends, which sets outputs to their fail-safe values.
-        recorder.close()
+    io_map, program = str(folder / 'map.yaml'), str(folder / 'parts.lua')
+    ros_nodes.add(IoBridgeNode(**ros_nodes.options(io_map=io_map, lockstep=True)))
+    sizes = {'digital_size': 3, 'analog_size': 2}
+    ros_nodes.add(LuaProgramNode(**ros_nodes.options(program=program, lockstep=True, **sizes)))
+    names = ('operator', 'bag_player', 'io_bridge_node', 'lua_program_node')
+    run = ros_nodes.coordinate(*names, held=True, on_held=held.set, recorder=recorder)
+    ros_nodes.wait_for(held.is_set, what='the first instant')
+    for name in ('open', 'run'):
+        future = operator.ask(name)
+        ros_nodes.wait_for(future.done, what=f'the answer of {name}')
+        assert future.result().success, future.result().message
+    ros_nodes.call(run.release)
+    ros_nodes.wait_for(lambda: run.time > START + round(1e9 * END), what='the end of the recording')
+    ros_nodes.call(run.end)
+    assert player.complete
+    ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='the whole bag')
+    # Before the program's node ends, which sets outputs to their fail-safe values.
+    recorder.close()
     return recorder.path
 
 
@@ -187,6 +186,6 @@ def test_the_nodes_answer_a_recorded_plc_as_expected(ros_nodes: Any, tmp_path: P
     # The same comparison finds one value that is another, and says where.
     other = write_bag(tmp_path / 'other', expectation(first_level=3.5), latched=ANSWERS)
     with pytest.raises(
-        AssertionError, match=r'/analog_inputs at 0\.2000 s, data\[0\]: expected 1\.75, recorded 1\.5'
+        AssertionError, match=r'/analog_inputs at 0\.1000 s, data\[0\]: expected 1\.75, recorded 1\.5'
     ):
         assert_bag_matches(recorded, other, tmp_path / 'tolerances.yaml')
