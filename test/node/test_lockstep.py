@@ -7,12 +7,11 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
@@ -42,7 +41,7 @@ AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
 NODES = ('controller_node', 'drive_node')
 EXECUTABLES = (('robots_controller', 'controller_node'), ('robots_core', 'drive_node'))
 PERIOD = 4_000_000
-SECONDS = 1.5
+SECONDS = 1.1
 
 
 def test_the_page_names_the_phases_in_their_order_and_the_nodes_that_have_their_turn_in_them() -> None:
@@ -102,33 +101,46 @@ def processes() -> Iterator[list[subprocess.Popen[bytes]]]:
         yield started
 
 
-def references(nodes: Any) -> list[tuple[float, ...]]:
-    """The references of one run in the processes."""
-    errors: list[LockstepError] = []
-    sender = nodes.add(Sender(**nodes.options(lockstep=True)))
-    run = nodes.coordinate(*NODES, 'sender', on_error=errors.append)
-    with processes():
-        nodes.wait_for(lambda: errors or sender.ended.is_set(), what='the end of the run')
-        nodes.call(run.end)
-    assert not errors
-    return list(sender.references)
+@contextmanager
+def one_process(nodes: Any) -> Iterator[None]:
+    """Both in the process of the test."""
+    options = nodes.options(lockstep=True, robot_model=NAME)
+    started = [nodes.add(kind(**options)) for kind in (ControllerNode, DriveNode)]
+    yield
+    for node in started:
+        nodes.destroy(node)
 
 
-@pytest.fixture
+@contextmanager
 def busy_processor() -> Iterator[None]:
     with subprocess.Popen([sys.executable, '-c', 'while True: pass']) as process:
         yield
         process.kill()
 
 
-def test_references_are_the_same_bit_by_bit_on_a_busy_machine(
-    ros_nodes: Any, request: pytest.FixtureRequest
+def references(
+    nodes: Any, robot: AbstractContextManager[Any], meanwhile: AbstractContextManager[None]
+) -> list[tuple[float, ...]]:
+    """The references of one run."""
+    errors: list[LockstepError] = []
+    sender = nodes.add(Sender(**nodes.options(lockstep=True)))
+    run = nodes.coordinate(*NODES, 'sender', on_error=errors.append)
+    with robot:
+        nodes.wait_for(lambda: errors or run.started, what='the run')
+        with meanwhile:
+            nodes.wait_for(lambda: errors or sender.ended.is_set(), what='the end of the run')
+            nodes.call(run.end)
+    assert not errors
+    for node in [*nodes._nodes]:
+        nodes.destroy(node)
+    return list(sender.references)
+
+
+def test_references_are_the_same_bit_by_bit_in_one_process_and_in_several_on_a_busy_machine(
+    ros_nodes: Any,
 ) -> None:
-    quiet = references(ros_nodes)
-    for node in [*ros_nodes._nodes]:
-        ros_nodes.call(node.destroy_node)
-    request.getfixturevalue('busy_processor')
-    busy = references(ros_nodes)
+    quiet = references(ros_nodes, one_process(ros_nodes), nullcontext())
+    busy = references(ros_nodes, processes(), busy_processor())
     # One in each period from the start on; that of the end was sent before the turn that ends the run.
     assert len(quiet) == round(SECONDS * 250) + 1
     assert quiet == busy
