@@ -15,6 +15,20 @@ from robots_core.exit_codes import ExitCode
 from robots_core.ros.qos import SENSOR
 
 PENDANT = 'import sys; from robots_controller.nodes.pendant_node import main; sys.exit(main())'
+# What is killed needs no page.
+WITHOUT_PAGE = """
+import sys
+from robots_core.ros.running.run import run
+from robots_core.ros.timed_node import TimedNode
+
+class Alone(TimedNode):
+    alone = True
+
+    def __init__(self):
+        super().__init__('pendant_node')
+
+sys.exit(run(Alone))
+"""
 DEADLINE = 240.0  # s, for a machine that is slow and busy
 ENOUGH = 50  # signs of life, in which the forged ones have been heard
 
@@ -30,8 +44,9 @@ class Pendants:
             UInt64, 'pendant_node/heartbeat', lambda beat: self.beats.append(beat.data), SENSOR
         )
 
-    def start(self) -> subprocess.Popen[str]:
-        words = [sys.executable, '-P', '-c', PENDANT, '--ros-args', '-p', 'port:=0']
+    def start(self, program: str = PENDANT) -> subprocess.Popen[str]:
+        arguments = ['--ros-args', '-p', 'port:=0'] if program == PENDANT else []
+        words = [sys.executable, '-P', '-c', program, *arguments]
         process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         self._ending.callback(process.communicate)
         self._ending.callback(process.kill)
@@ -52,7 +67,7 @@ def pendants(ros_nodes: Any) -> Iterator[Pendants]:
 
 
 def test_a_second_pendant_ends_and_a_restarted_one_stays(ros_nodes: Any, pendants: Pendants) -> None:
-    first = pendants.start()
+    first = pendants.start(WITHOUT_PAGE)
     pendants.wait_for_another(first)
     second = pendants.start()
     assert second.wait(DEADLINE) == ExitCode.BAD_INPUT
