@@ -59,27 +59,20 @@ def _comparison() -> Any:
 compare = _comparison()
 
 
-@settings(max_examples=1500)
-@given(
-    name=st.sampled_from([b'find', b'match', b'gmatch']),
-    subject=SUBJECTS,
-    pattern=WELL_FORMED,
-    init=st.one_of(st.none(), st.integers(-12, 12)),
-)
-def test_searches_agree(name: bytes, subject: str, pattern: str, init: int | None):
-    theirs, ours = compare(name, subject.encode(), pattern.encode(), init)
-    assert ours == theirs
+@settings(max_examples=750)
+@given(subject=SUBJECTS, pattern=WELL_FORMED, init=st.one_of(st.none(), st.integers(-12, 12)))
+def test_searches_agree(subject: str, pattern: str, init: int | None):
+    for name in (b'find', b'match', b'gmatch'):
+        theirs, ours = compare(name, subject.encode(), pattern.encode(), init)
+        assert ours == theirs, name
 
 
-@settings(max_examples=1500)
-@given(
-    subject=SUBJECTS,
-    pattern=WELL_FORMED,
-    by=st.sampled_from([b'text', b'capture', b'number', b'table', b'function']),
-)
-def test_substitutions_agree(subject: str, pattern: str, by: bytes):
-    theirs, ours = compare(b'gsub', subject.encode(), pattern.encode(), by)
-    assert ours == theirs
+@settings(max_examples=750)
+@given(subject=SUBJECTS, pattern=WELL_FORMED)
+def test_substitutions_agree(subject: str, pattern: str):
+    for by in (b'text', b'capture', b'number', b'table', b'function'):
+        theirs, ours = compare(b'gsub', subject.encode(), pattern.encode(), by)
+        assert ours == theirs, by
 
 
 @settings(max_examples=500)
