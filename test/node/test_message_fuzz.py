@@ -45,6 +45,7 @@ class FuzzBench:
         self.robot = load_robot_model(ROBOT)
         self.context = context
         self._time = 0
+        self._examples: dict[tuple[type, int], list[Any]] = {}
         values = {'robot_model': ROBOT, 'use_sim_time': True, **parameters}
         self.node = kind(
             context=context, parameter_overrides=[Parameter(name, value=one) for name, one in values.items()]
@@ -126,8 +127,11 @@ class FuzzBench:
 
     def examples(self, kind: type) -> list[Any]:
         """Valid messages of a type, of this instant."""
-        seconds, nanoseconds = divmod(self._time, NANOSECONDS)
-        return valid_messages(kind, self.robot, Time(sec=seconds, nanosec=nanoseconds))
+        key = kind, self._time
+        if key not in self._examples:
+            seconds, nanoseconds = divmod(self._time, NANOSECONDS)
+            self._examples[key] = valid_messages(kind, self.robot, Time(sec=seconds, nanosec=nanoseconds))
+        return self._examples[key]
 
     def close(self) -> None:
         self.executor.shutdown()
