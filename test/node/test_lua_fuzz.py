@@ -23,7 +23,7 @@ from robots_controller.nodes.lua_program_node import LuaProgramNode
 from .bench import Bench
 
 ROBOT = 'kuka_kr210_r2700'
-RUN_TIME = 0.15  # s that a program that does not end has before it is stopped
+RUN_TIME = 0.1  # s that a program that does not end has before it is stopped
 # Deadlines for a slow and busy machine: what hangs takes for ever.
 END_TIME = 240.0  # s from the stop to the end
 FAIL_TIME = 240.0  # s until a program has used up its memory
