@@ -86,7 +86,7 @@ def frame_places(robot: BaseRobotModel, q: np.ndarray) -> np.ndarray:
 
 
 def motion(robot: BaseRobotModel, kind: str) -> Trajectory:
-    reach = 0.25 * (robot.axes_data.upper - robot.axes_data.lower).clip(max=4.0)
+    reach = 0.12 * (robot.axes_data.upper - robot.axes_data.lower).clip(max=4.0)
     target = np.clip(robot.home + reach, robot.axes_data.lower, robot.axes_data.upper)
     if kind == 'joint':
         return LinearJoint(robot).generate(robot.home, target)
