@@ -23,8 +23,8 @@ from robots_core.ros.timed_node import TimedNode
 G = 9.80665
 FILE = Path(__file__).parents[2] / 'programs' / 'motion_simulator' / 'cabin.yaml'
 CABIN = read_cabin(FILE)
-HANDED_OVER, STOPS, TAKEN_BACK = 50, 400, 700  # periods
-NAN = 300  # period with a broken sample
+HANDED_OVER, STOPS, TAKEN_BACK = 25, 250, 450  # periods
+NAN = 150  # period with a broken sample
 VALUES = {
     'vehicle_imu': VehicleMotion(np.array([3.0, -2.0, G]), np.zeros(3)),
     'joy': DriverInputs(0.2, 1.0),
