@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import ast
+import io
 import runpy
 import subprocess
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+from rich.console import Console
 
+from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_controller.live_cell.cell_graph import NodeDescription, cell_graph
 
 ROOT = Path(__file__).parents[2]
 LAUNCH_FILE = ROOT / 'robots_controller' / 'launch' / 'cell.launch.py'
 PROGRAM = str(ROOT / 'programs' / 'bello_bot_tour.lua')
 PRESS = str(ROOT / 'programs' / 'io' / 'press_tending.yaml')
+CELL = NodeDescription('robots_controller', 'cell').executable_path()
 # What a ROS 2 installation has for its own Python, besides the standard library.
 ROS_MODULES = {'launch', 'launch_ros', 'ament_index_python'}
 
@@ -73,6 +78,21 @@ def launch_file(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return runpy.run_path(str(LAUNCH_FILE))
 
 
+@pytest.fixture
+def described_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`cell --describe` runs in this process: one of its own takes almost a second to load."""
+
+    def run(command: list[str], **_options: bool) -> subprocess.CompletedProcess[str]:
+        path, *arguments = command
+        assert Path(path) == CELL
+        output = io.StringIO()
+        with redirect_stdout(output):
+            code = run_cell(parse_options(arguments), Console())
+        return subprocess.CompletedProcess(command, code, output.getvalue(), '')
+
+    monkeypatch.setattr(subprocess, 'run', run)
+
+
 def launched(launch_file: dict[str, Any], **arguments: str) -> list[SimpleNamespace]:
     Configuration.given = {'namespace': '/left', 'drive': 'second_order', 'debug_port': '0'} | arguments
     nodes: list[SimpleNamespace] = launch_file['nodes'](None)
@@ -99,6 +119,7 @@ def test_its_nodes_are_those_of_the_cell(launch_file: dict[str, Any], arguments:
     assert {node.namespace for node in nodes} == {'/left'}
 
 
+@pytest.mark.usefixtures('described_here')
 def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
     processes = launched(launch_file, robot='cello_bot', composed='true')
     assert {process.executable for process in processes} == {
@@ -120,6 +141,7 @@ def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
     assert described == {*launch_file['ARGUMENTS'], *launch_file['LAUNCH_ARGUMENTS']}
 
 
+@pytest.mark.usefixtures('described_here')
 def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> None:
     nodes = launched(launch_file, robot='cello_bot', rate='500', port='9000', goal_tolerance='0.01')
     parameters = {node.executable: node.parameters[0] for node in nodes}
@@ -128,6 +150,7 @@ def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> Non
     assert parameters['visualizer_node']['port'] == 9000
 
 
+@pytest.mark.usefixtures('described_here')
 def test_a_cell_may_have_no_view(launch_file: dict[str, Any]) -> None:
     nodes = launched(launch_file, robot='cello_bot', headless='true')
     assert {node.executable for node in nodes} == {
@@ -135,6 +158,7 @@ def test_a_cell_may_have_no_view(launch_file: dict[str, Any]) -> None:
     }
 
 
+@pytest.mark.usefixtures('described_here')
 def test_a_bag_and_rviz_are_started_beside_the_nodes(launch_file: dict[str, Any]) -> None:
     *_, bag, rviz = launched(launch_file, robot='cello_bot', record='out/bag', rviz='true')
     assert bag.cmd == ['ros2', 'bag', 'record', '--all', '--output', 'out/bag']
@@ -142,6 +166,7 @@ def test_a_bag_and_rviz_are_started_beside_the_nodes(launch_file: dict[str, Any]
     assert Path(rviz.arguments[1]).is_file()
 
 
+@pytest.mark.usefixtures('described_here')
 def test_an_argument_that_does_not_exist_is_refused(
     launch_file: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,7 +185,6 @@ def test_a_mistake_is_reported_in_one_line(launch_file: dict[str, Any]) -> None:
 
 
 def test_the_description_is_all_that_is_printed() -> None:
-    cell = NodeDescription('robots_controller', 'cell').executable_path()
-    started = subprocess.run([cell, '--describe'], capture_output=True, text=True, check=True)
+    started = subprocess.run([CELL, '--describe'], capture_output=True, text=True, check=True)
     assert started.stdout.startswith('[')
     assert not started.stderr

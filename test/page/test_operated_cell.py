@@ -17,7 +17,7 @@ from robots_controller.program.run_state import RunState
 from .browser_page import open_page, press, take_control, wait
 from .page_cell import PAGE, Cell
 
-FAR = 0.05  # rad between two taught points
+FAR = 0.015  # rad between two taught points
 
 
 @pytest.fixture(scope='module')
