@@ -110,7 +110,7 @@ def _timed(bag: Bag, topic: str, read: Any, end: float) -> list[Any]:
         for stamp, message in bag.deserialized([topic])[topic]
         if 1e-9 * stamp < end
     ]
-    return sorted(found, key=repr)
+    return sorted(found)
 
 
 def _difference(there: list[Any], here: list[Any]) -> str:
