@@ -79,3 +79,18 @@ def test_a_later_clock_of_another_sender_does_not_stand_for_those_that_are_late(
         (START + 3 * TICK, '3 5'),
         (START + 6 * TICK, '6 5'),
     ]
+
+
+def test_a_message_that_is_sent_again_keeps_its_instant_however_late_it_comes() -> None:
+    clocks = Clocks()
+    times = LockstepTimes(clocks)
+    clocks.sent = 6
+    found = [*times.stamped([message(1, 5), message(4, 5)], last=False)]
+    found += times.stamped([], last=False)
+    found += times.stamped([message(1, 3), message(4, 3)], last=True)
+    assert [(stamp, data.decode()) for stamp, _, data in found] == [
+        (START + TICK, '1 5'),
+        (START + 4 * TICK, '4 5'),
+        (START + TICK + 1, '1 3'),
+        (START + 4 * TICK + 1, '4 3'),
+    ]

@@ -1,6 +1,7 @@
 """LockstepTimes: the simulated time at which each message of a lock-step run was sent."""
 
 from bisect import bisect_right, insort
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Final, Protocol
 
@@ -30,7 +31,8 @@ class LockstepTimes:
 
     Messages of one instant follow each other by a nanosecond, in the order in which they were sent. Topics
     are read one after the other: a message may be seen after others that were sent later. So all wait
-    until the topics are read again.
+    until the topics are read again. One that comes later still, as it was sent again, is the last one of its
+    instant.
 
     Args:
         clock: Takes `/clock`, with the middleware's information on each message.
@@ -44,7 +46,7 @@ class LockstepTimes:
         self._complete = 0  # ns of the system's clock: those of all instants that were sent before are here
         self._expected = 0, START
         self._waiting: list[Sent] = []
-        self._last = START - 1
+        self._counts = Counter[int]()  # messages of the instants
 
     def expect(self, count: int, last: int) -> None:
         """Wait for the clocks of so many instants up to `last` (ns) before a later one is relied on.
@@ -81,8 +83,10 @@ class LockstepTimes:
         for sent, connection, data in messages[:known]:
             place = bisect_right(self._sent, sent)
             instant = self._instants[place - 1] if place else START
-            self._last = max(instant, self._last + 1)
-            yield self._last, connection, data
+            yield instant + self._counts[instant], connection, data
+            self._counts[instant] += 1
         if len(self._sent) > QUEUE_DEPTH:
+            for instant in self._instants[:-QUEUE_DEPTH]:
+                del self._counts[instant]
             self._forgotten += len(self._sent) - QUEUE_DEPTH
             del self._sent[:-QUEUE_DEPTH], self._instants[:-QUEUE_DEPTH]
