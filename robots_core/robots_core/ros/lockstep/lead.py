@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
-from robots_core.ros.lockstep.counted_endpoints import ALL
+from robots_core.ros.lockstep.counted_endpoints import CLOCKS
 from robots_core.ros.lockstep.phases import START, Phase
 from robots_core.ros.lockstep.protocol import LED, encode_clock, encode_reports
 from robots_core.ros.lockstep.traffic import Traffic
@@ -52,7 +52,7 @@ class Lead:
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node
         # A recorder in another process needs the clock of each instant, however far behind it is.
-        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', ALL)
+        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', CLOCKS)
         self._node = node
         self._traffic, self._agenda = Traffic(), Agenda()
         self._joined: dict[str, int] = {}
