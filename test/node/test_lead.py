@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
@@ -67,10 +67,9 @@ class Pair:
         end = threading.Event()
 
         def spin() -> None:
-            more = False
             while not end.is_set():
-                executor.spin_once(0.0 if more else 0.02)
-                more = lead.go_on()
+                executor.spin_once(0.02)
+                lead.go_on()
 
         thread = threading.Thread(target=spin)
         thread.start()
@@ -84,6 +83,30 @@ class Pair:
                 node.destroy_node()
 
 
+class SlowRecorder:
+    """A recorder to which messages come as late as a test requests."""
+
+    def __init__(self) -> None:
+        self.late = ''
+        self.asked = 0
+        self.sent: dict[str, int] = {}
+
+    def get_fully_qualified_name(self) -> str:
+        return '/recorder'
+
+    def recorded(self, topics: Iterable[str]) -> frozenset[str]:
+        del topics
+        return frozenset()
+
+    def expect_instants(self, count: int, last: int) -> None:
+        assert last == START + (count - 1) * PERIOD
+
+    def missing(self, sent: Mapping[str, int]) -> str:
+        self.asked += 1
+        self.sent = dict(sent)
+        return self.late
+
+
 @pytest.fixture
 def pair(ros_nodes: Any) -> Iterator[Pair]:
     pair = Pair(ros_nodes)
@@ -92,10 +115,11 @@ def pair(ros_nodes: Any) -> Iterator[Pair]:
 
 
 def test_they_need_no_turn_of_the_coordinator_and_handle_everything_at_its_instant(pair: Pair) -> None:
-    run = pair.runner.coordinate('asker', 'server')
+    held = threading.Event()
+    run = pair.runner.coordinate('asker', 'server', on_held=held.set)
     pair.runner.wait_for(lambda: len(pair.times) > 200, what='periods')
     pair.runner.call(run.hold)
-    pair.runner.wait_for(lambda: run.time == pair.times[-1], what='the hold')
+    pair.runner.wait_for(held.is_set, what='the hold')
     assert run.instants <= 2
     assert pair.times == [START + k * PERIOD for k in range(len(pair.times))]
     assert len(pair.handled) == len(pair.replied) == len(pair.times)
@@ -115,6 +139,28 @@ def test_a_held_run_stands_and_goes_on_where_it_was(pair: Pair) -> None:
         pair.runner.call(run.hold)
     pair.runner.wait_for(held.is_set, what='the last hold')
     assert pair.times == [START + k * PERIOD for k in range(len(pair.times))]
+
+
+def test_time_stands_until_the_recorder_has_what_was_sent_before(pair: Pair) -> None:
+    recorder = SlowRecorder()
+    run = pair.runner.coordinate('asker', 'server', recorder=recorder)
+
+    def wait_for_checks() -> None:
+        before = recorder.asked
+        pair.runner.wait_for(lambda: recorder.asked > before + 2, what='checks of the recorder')
+
+    for _ in range(2):
+        count = len(pair.times)
+        pair.runner.wait_for(lambda count=count: len(pair.times) > count + 50, what='periods')
+        recorder.late = '3 of 4 messages on /number have come'
+        wait_for_checks()
+        count = len(pair.times)
+        wait_for_checks()
+        assert len(pair.times) == count
+        assert 0 < recorder.sent['/clock'] <= count
+        assert 'the recorder: 3 of 4 messages on /number have come at ' in run._not_done()
+        recorder.late = ''
+    pair.runner.call(run.end)
 
 
 def test_a_participant_of_another_process_is_waited_for(pair: Pair) -> None:

@@ -19,7 +19,7 @@ from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.ros.lockstep.counted_endpoints import CLOCKS
+from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
 from robots_core.ros.peers.heartbeat import HEARTBEAT
@@ -33,7 +33,6 @@ WRITE_PERIOD = 0.02  # s
 # busy machine may not get to writing.
 QUEUE_DEPTH = 5000
 FLUSH_PERIOD = 1.0  # s; what a kill may cost
-CLOCK_PATIENCE = 5.0  # s at the end, in which clocks that were lost on their way are sent again
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class BagRecorder(Node):
         """Why the bag ends early; '' if it does not."""
         self._times: LockstepTimes | None = None
         if lockstep:
-            clock = PolledSubscription(self, Clock, '/clock', CLOCKS)
+            clock = PolledSubscription(self, Clock, '/clock', ALL)
             self._times = LockstepTimes(clock)
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
@@ -96,7 +95,9 @@ class BagRecorder(Node):
             self._times.expect(count, last)
 
     def missing(self, sent: Mapping[str, int]) -> str:
-        """What has not come yet of so many messages by topic; '' if all have."""
+        """What has not come yet of so many messages by topic; '' if all have, or the bag has ended."""
+        if self.problem or self.closed:
+            return ''
         return '; '.join(
             f'{self._received[topic]} of {count} messages on {topic} have come'
             for topic, count in sent.items()
@@ -173,10 +174,6 @@ class BagRecorder(Node):
                 with self._writing:
                     self._writer.flush()
                 unsaved, saved = False, time.monotonic()
-        end = time.monotonic() + CLOCK_PATIENCE
-        while self._times is not None and self._times.missing and time.monotonic() < end:
-            time.sleep(WRITE_PERIOD)
-            self._write_what_came()
         self._write_what_came(last=True)
         self._writer.close()
 
@@ -195,6 +192,8 @@ class BagRecorder(Node):
             with self._writing:
                 self._writer.write(connection, stamp, data)
             written = True
+        if self._times is not None:
+            self._received['/clock'] = self._times.count
         return written
 
 

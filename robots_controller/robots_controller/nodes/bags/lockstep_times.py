@@ -56,6 +56,11 @@ class LockstepTimes:
         self._expected = count, last
 
     @property
+    def count(self) -> int:
+        """Number of instants whose clocks have come."""
+        return self._forgotten + len(self._instants)
+
+    @property
     def missing(self) -> int:
         """Number of expected clocks that have not come."""
         count, last = self._expected

@@ -59,7 +59,9 @@ class Agenda:
 
     def resume(self, time: int, phase: int) -> None:
         """Continue at the place of another agenda."""
-        self.time, self._next, self._turns, self._over = time, Phase(phase), 0, False
+        if time != self.time:
+            self._turns = 0
+        self.time, self._next, self._over = time, Phase(phase), False
 
     @property
     def empty(self) -> bool:

@@ -1,7 +1,7 @@
 """Coordinator: lets simulated time advance when every participant has done what was due."""
 
 import time
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Final, Protocol
 
 from rclpy.clock import Clock
@@ -17,7 +17,6 @@ from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.lockstep.protocol import (
     GO,
-    HOLD,
     LEAD,
     LED,
     PARTICIPANTS,
@@ -38,6 +37,9 @@ from robots_core.ros.qos import STATE, STREAM
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
 PATIENCE: Final = 30.0  # s of the wall clock
 WATCH_PERIOD: Final = 0.1  # s of the wall clock
+# Time goes on while the recorder has what was sent before the last check. What is lost on its way can be
+# sent again until `DEPTH` messages of its topic have followed.
+RECORDER_PERIOD: Final = 0.05  # s of the wall clock
 LATCHED_BY_MANY: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -52,6 +54,9 @@ class Recorder(Protocol):
 
     def expect_instants(self, count: int, last: int) -> None:
         """So many instants have begun, the last one at this time (ns); their clocks may be on the way."""
+
+    def missing(self, sent: Mapping[str, int]) -> str:
+        """What has not come of so many messages by topic; '' for nothing that it still waits for."""
 
 
 class Coordinator:
@@ -68,7 +73,8 @@ class Coordinator:
         on_error: Called once when the run cannot continue; the default raises the error where the node spins.
         on_held: Called when nothing more is due at this instant and the run is held.
         held: The run is held from the beginning on.
-        recorder: The run begins when all publishers have found its subscriptions.
+        recorder: The run begins when all publishers have found its subscriptions, and does not run ahead of
+            it.
         callers: Participants that only call services.
         patience: Longest time without any progress, s of the wall clock.
         joining_patience: Longest time until the run begins, s of the wall clock.
@@ -94,7 +100,9 @@ class Coordinator:
         self._patience, self._joining_patience = patience, joining_patience
         self._held, self._reported_held = held, False
         self._recorder, self._recorded = recorder, frozenset[str]()
-        self._callers, self._leads, self._may_lead = callers, False, True
+        self._awaited: Mapping[str, int] = {}
+        self._recorder_checked = 0.0
+        self._callers, self._may_lead = callers, True
         self._led_instants = 0
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
@@ -113,7 +121,7 @@ class Coordinator:
 
         self._rosters = node.create_publisher(String, ROSTER, STATE)
         self._times = node.create_publisher(Int64MultiArray, TIME, STREAM)
-        self._clock = node.create_publisher(ClockMessage, '/clock', STREAM)
+        self._clock = node.create_publisher(ClockMessage, '/clock', ALL)
         node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
         self._reports = node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -131,13 +139,14 @@ class Coordinator:
 
     @property
     def sent(self) -> dict[str, int]:
-        """Messages that participants have sent so far, by topic; those of the recorded topics."""
-        return {topic: self._traffic.sent(topic) for topic in self._recorded}
+        """Messages sent so far, by topic; those of the clock and the recorded topics."""
+        sent = {topic: self._traffic.sent(topic) for topic in self._recorded}
+        return sent | {'/clock': self.instants + self._led_instants}
 
     def hold(self) -> None:
         """Let no time pass after the present instant."""
         self._held = True
-        self._take_lead()
+        self._go_on()
 
     def release(self) -> None:
         """Let time pass."""
@@ -149,7 +158,6 @@ class Coordinator:
         if self._ended:
             return
         self._ended = True
-        self._take_lead()
         self._watch.cancel()
         # Participants of a later run must not read the latched roster of this one.
         self._node.destroy_publisher(self._rosters)
@@ -214,6 +222,8 @@ class Coordinator:
             return
         if any(go.get_subscription_count() == 0 for go in self._gos.values()):
             return
+        if self._clock.get_subscription_count() < len(self._node.get_subscriptions_info_by_topic('/clock')):
+            return
         self.started = True
         self._give_turn(RELEASE, self._names)
 
@@ -227,17 +237,12 @@ class Coordinator:
 
     def _give_lead(self, leader: str) -> None:
         self._sequence += 1
-        self._leads = True
         self._outstanding.update(name for name in self._names if name not in self._callers)
         now, phase = self._agenda.place
         self._gos[leader].publish(encode([self._sequence, now, LEAD, phase]))
 
-    def _take_lead(self) -> None:
-        if self._leads:
-            self._gos[self._leader].publish(encode([self._sequence, self._agenda.time, HOLD]))
-
     def _on_led(self, time: int, phase: int, failed: int, instants: int) -> None:
-        self._leads, self._published_time = False, time
+        self._published_time = time
         self._agenda.resume(time, phase)
         self._may_lead &= not failed
         self._led_instants += instants
@@ -291,7 +296,7 @@ class Coordinator:
         return not (self._outstanding or self._busy or self._early) and self._traffic.quiet
 
     def _go_on(self) -> None:
-        if not self.started or self._ended or not self._quiet:
+        if not self.started or self._ended or not self._quiet or self._recorder_is_behind():
             return
         if not self._held and (leader := self._leader) and not self._agenda.empty:
             self._give_lead(leader)
@@ -308,6 +313,15 @@ class Coordinator:
             self._reported_held = True
             self._on_held()
 
+    def _recorder_is_behind(self) -> bool:
+        now = time.monotonic()
+        if self._recorder is None or now < self._recorder_checked + RECORDER_PERIOD:
+            return False
+        if self._recorder.missing(self._awaited):
+            return True
+        self._awaited, self._recorder_checked = self.sent, now
+        return False
+
     # -- patience ----------------------------------------------------------------------------------------
 
     def _check_progress(self) -> None:
@@ -316,8 +330,10 @@ class Coordinator:
         if not self.started:
             if idle > self._joining_patience:
                 self._fail(LockstepError(f'{self._not_joined()} within {self._joining_patience:g} s'))
-        elif idle > self._patience and not self._quiet:
+        elif idle > self._patience and (not self._quiet or self._recorder_is_behind()):
             self._fail(LockstepError(f'{self._not_done()} within {self._patience:g} s'))
+        else:
+            self._go_on()
 
     def _not_joined(self) -> str:
         if self.missing:
@@ -333,7 +349,10 @@ class Coordinator:
             return f'{", ".join(sorted(self._outstanding))} did not do what was due {at}'
         if self._busy:
             return f'{", ".join(sorted(self._busy))} did not end the work under way {at}'
-        return f'{"; ".join(self._traffic.on_the_way())} {at}: this did not change'
+        missing = self._traffic.on_the_way()
+        if self._recorder is not None and self._recorder_is_behind():
+            missing.append(f'the recorder: {self._recorder.missing(self._awaited)}')
+        return f'{"; ".join(missing)} {at}: this did not change'
 
     def _fail(self, error: LockstepError) -> None:
         self.end()

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 DEPTH = 1000
 POLLED_DEPTH = 100
 ALL: Final = QoSProfile(depth=DEPTH)
-# As many as Fast DDS keeps by default: some seconds, after which it sends again what was lost on its way.
-CLOCKS: Final = QoSProfile(depth=5000)
 # Every kind of event is one more thing to wait for; by default each endpoint warns of incompatible qualities.
 NO_PUBLISHER_EVENTS: Final = PublisherEventCallbacks(use_default_callbacks=False)
 NO_SUBSCRIPTION_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)

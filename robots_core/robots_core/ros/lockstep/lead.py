@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
-from robots_core.ros.lockstep.counted_endpoints import CLOCKS
+from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import START, Phase
 from robots_core.ros.lockstep.protocol import LED, encode_clock, encode_reports
 from robots_core.ros.lockstep.traffic import Traffic
@@ -21,17 +21,15 @@ from robots_core.ros.lockstep.traffic import Traffic
 if TYPE_CHECKING:
     from robots_core.ros.lockstep.participant import Participant
 
-LOOK_PERIOD: Final = 1.0  # s of the wall clock
-SHARE: Final = 0.005  # s of the wall clock between two looks at what else has come
+SLICE: Final = 0.05  # s of the wall clock
 
 
 class Lead:
     """The coordinator's part among participants that are all there are in a run.
 
     A turn that the coordinator gives takes two messages between processes, and several of them an instant;
-    here it takes none. The coordinator gives the lead away, and takes it back when the run is held. It has it
-    again also when nothing is due, when nothing goes on for a while, and when the run cannot continue: then
-    it finds out itself why, and says so.
+    here it takes none. The coordinator gives the lead away for a slice of time. It has it again earlier when
+    nothing is due, and when the run cannot continue: then it finds out itself why, and says so.
 
     All methods but `send` are called in the executor's thread.
 
@@ -51,22 +49,21 @@ class Lead:
         self.name: Final = participants[0].name
         """The participant that receives the coordinator's messages about the lead."""
         node = participants[0].node
-        # A recorder in another process needs the clock of each instant, however far behind it is.
-        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', CLOCKS)
+        self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', ALL)
         self._node = node
         self._traffic, self._agenda = Traffic(), Agenda()
         self._joined: dict[str, int] = {}
         self._busy: set[str] = set()
         self.active = False
         """The participants have the lead."""
-        self.sequence = self._turns = self._seen = self._instants = 0
+        self.sequence = self._instants = 0
         self.time = self._published = START
         """The present instant, ns."""
         self.sent: tuple[int, ...] = ()
         """Messages sent so far on each polled topic."""
-        self._held = False
-        self._look = Node.create_timer(
-            node, LOOK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
+        self._end = 0.0  # of the slice, s of the wall clock
+        self._timer = Node.create_timer(
+            node, SLICE, self._give_back, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
         )
 
     @property
@@ -91,7 +88,7 @@ class Lead:
 
     def begin(self, sequence: int, now: int, phase: int) -> None:
         """Take the lead, at an instant (ns) and the next phase of it."""
-        self.active, self._held, self.sequence = True, False, sequence
+        self.active, self.sequence = True, sequence
         self.time = self._published = now
         self._instants = 0
         self._agenda.resume(now, phase)
@@ -100,35 +97,27 @@ class Lead:
         for participant in self._participants.values():
             participant.answer(sequence)
             self.send(participant)
-        self._look.reset()
+        self._end = time.monotonic() + SLICE
+        self._timer.reset()
 
-    def hold(self) -> None:
-        """Give the lead back at the end of the present instant."""
-        self._held = True
-
-    def go_on(self) -> bool:
-        """Do what is due, for a moment; True if there is more to do at once."""
-        if not self.active:
-            return False
-        end = time.monotonic() + SHARE
-        while True:
+    def go_on(self) -> None:
+        """Do what is due, until something has to come first or the slice is over."""
+        while self.active:
             with self._lock:
                 kept, self._kept = self._kept, {}
             for participant in kept:
                 self._read(participant)
             if self._busy or not self._traffic.quiet:
-                return False
+                return
             try:
-                turn = self._agenda.next_turn(advance=not self._held)
+                turn = self._agenda.next_turn() if time.monotonic() < self._end else None
             except LockstepError:
                 self._give_back(failed=True)
-                return False
+                return
             if turn is None:
                 self._give_back()
-                return False
-            self._take(turn)
-            if time.monotonic() > end:
-                return True
+            else:
+                self._take(turn)
 
     def _read(self, participant: Participant) -> None:
         _, _, busy, *numbers = participant.report()
@@ -145,7 +134,6 @@ class Lead:
             self._busy.discard(name)
 
     def _take(self, turn: Turn) -> None:
-        self._turns += 1
         self.time = turn.time
         self.sent = tuple(self._traffic.sent(topic) for topic in self._participants[self.name].polled)
         if turn.time != self._published:
@@ -155,18 +143,11 @@ class Lead:
         for name in turn.participants:
             self._participants[name].take_turn(self.sequence, turn.time, turn.phase, self.sent)
 
-    def _check(self) -> None:
-        if self._turns == self._seen:
-            self._give_back()
-        else:
-            self._seen = self._turns
-            self._publish(())  # a sign of life
-
     def _give_back(self, *, failed: bool = False) -> None:
         if not self.active:
             return
         self.active = False
-        self._look.cancel()
+        self._timer.cancel()
         for participant in self._participants.values():
             participant.answer(self.sequence)
         with self._lock:

@@ -34,7 +34,6 @@ from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.phases import NANOSECONDS, START, Phase
 from robots_core.ros.lockstep.protocol import (
     GO,
-    HOLD,
     LEAD,
     OVER,
     PARTICIPANTS,
@@ -278,8 +277,6 @@ class Participant:
         sequence, now, phase, *counts = decode(data)
         if phase == LEAD and self.lead is not None:
             self.lead.begin(sequence, now, counts[0])
-        elif phase == HOLD and self.lead is not None:
-            self.lead.hold()
         else:
             self.take_turn(sequence, now, phase, counts)
 

@@ -43,9 +43,8 @@ OVER: Final = -2
 became due in a phase that was over is due later."""
 
 LEAD: Final = -3
-"""The phase of a turn in which the participants of a process go on by themselves; behind it the next one."""
-HOLD: Final = -4
-"""The phase that ends this at the end of the present instant."""
+"""The phase of a turn in which the participants of a process go on by themselves for a slice of time; behind
+it the next one."""
 
 # CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
 # length, padding to 8 bytes, the numbers.

@@ -79,10 +79,10 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
                     if node.alone:
                         NamesakeWatch(node, heartbeats[-1])
             gc.freeze()  # what exists now is kept as long as the node
-            lead, more = _lead(nodes), False
+            go_on = _go_on(nodes)
             while nodes[0].context.ok() and not stopping.is_set():
-                executor.spin_once(0.0 if more else None)
-                more = lead is not None and lead.go_on()
+                executor.spin_once()
+                go_on()
         except ExternalShutdownException:
             return ExitCode.OK
         except RobotsError as error:
@@ -101,10 +101,10 @@ def _report_hung(node: TimedNode) -> None:
     faulthandler.dump_traceback(STDERR)
 
 
-def _lead(nodes: Sequence[TimedNode]) -> Lead | None:
-    """That of several nodes in lock-step."""
+def _go_on(nodes: Sequence[TimedNode]) -> Callable[[], None]:
+    """What several nodes in lock-step do after each callback."""
     participants = [node.participant for node in nodes if node.participant is not None]
-    return Lead(participants) if len(participants) > 1 else None
+    return Lead(participants).go_on if len(participants) > 1 else lambda: None
 
 
 def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:
