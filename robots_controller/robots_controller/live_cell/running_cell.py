@@ -20,6 +20,7 @@ from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.processes.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.processes.node_processes import NodeProcesses
 from robots_controller.live_cell.processes.node_restarts import NodeRestarts
+from robots_controller.live_cell.running_motion import RunningMotion
 from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode
@@ -64,9 +65,7 @@ class RunningCell:
         self._frozen = FrozenNodes(self._monitor, processes.names, watchdog)
         self._waiting = set(processes.names)
         self._failed = False
-        self._motion: str | None = None
-        # Results of streams have the id of their first point, and may overtake their last ones.
-        self._streaming, self._stream_end = False, 0.0
+        self._motion = RunningMotion()
         self._ended = False
         self._settled = math.inf
         self._recording_ended = False
@@ -99,7 +98,7 @@ class RunningCell:
         while self._healthy():
             self._show_events()
             # What was sent before a program fails continues to its end, and its outputs with it.
-            if self.program_ended and self._options.once and self._motion is None:
+            if self.program_ended and self._options.once and not self._motion.runs:
                 return ExitCode.FAILED if self._failed else ExitCode.OK
         return ExitCode.FAILED
 
@@ -124,11 +123,11 @@ class RunningCell:
 
     def bring_to_rest(self) -> None:
         """Stop a running motion on its path, before the nodes end."""
-        if self._motion is None or not self._processes.runs('controller_node'):
+        if not self._motion.runs or not self._processes.runs('controller_node'):
             return
         self._monitor.call('controller_node/cancel')
         deadline = time.monotonic() + REST_TIMEOUT
-        while self._motion is not None and time.monotonic() < deadline:
+        while self._motion.runs and time.monotonic() < deadline:
             self._show_events()
 
     def _ready(self) -> bool:
@@ -211,10 +210,8 @@ class RunningCell:
         match event:
             case NodeHealth(node=node) if event.ok or event.works:
                 self._waiting.discard(node)
-            case MotionPlanned(id_) if not event.streamed or float(id_) > self._stream_end:
-                self._motion, self._streaming = id_, event.streamed
-            case MotionResult(id_) if id_ == self._motion or self._streaming:
-                self._motion, self._stream_end = None, float(event.details.get('ended', 0.0))
+            case MotionPlanned() | MotionResult():
+                self._motion.note(event)
             case ProgramStatus(state):
                 self._restarts.program_reported(event)
                 ended = state in ('FINISHED', 'FAILED', 'STOPPED')
