@@ -4,11 +4,12 @@ from functools import partial
 from typing import Any, Final
 
 from geometry_msgs.msg import PoseStamped
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.pose import Pose
-from robots_core.ros.messages import joint_values, pose_stamped_message
+from robots_core.ros.messages import ENCAPSULATION_SIZE, STAMP_END, joint_values, pose_stamped_message
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -33,17 +34,27 @@ class DirectKinematicsNode(RobotNode):
         self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = make_publisher(self, PoseStamped, 'tcp_pose')
-        self.poll(JointState, 'joint_states', self._publish, rate=rate)
+        self._pose = b''  # serialized
+        self.poll(JointState, 'joint_states', self._publish, rate=rate, again=self._publish_again)
         self.on_change('tool', self._use_tool)
         self.ready()
 
     def _publish(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        self._publisher.publish(pose_stamped_message(message.header.stamp, self._kinematics.forward(q)))
+        pose = pose_stamped_message(message.header.stamp, self._kinematics.forward(q))
+        self._pose = serialize_message(pose)
+        self._publisher.publish(self._pose)
         self.ready()
+
+    def _publish_again(self, stamp: bytes) -> bool:
+        if self._pose:
+            self._pose = self._pose[:ENCAPSULATION_SIZE] + stamp + self._pose[STAMP_END:]
+            self._publisher.publish(self._pose)
+        return bool(self._pose)
 
     def _use_tool(self, tool: Pose) -> None:
         self._kinematics = DirectKinematics(self.robot, tool=tool)
+        self._pose = b''
 
 
 def pose_from_parameter(values: Any) -> Pose:

@@ -42,7 +42,7 @@ class VisualizerNode(RobotNode):
         subscribe(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock)
+        self.poll(JointState, 'joint_states', self._update, rate=rate, clock=clock, again=lambda _: True)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 

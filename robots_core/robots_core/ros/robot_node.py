@@ -12,6 +12,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.clock import Clock
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 from std_srvs.srv import SetBool, Trigger
 
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -21,7 +22,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.messages import ENCAPSULATION_SIZE, LITTLE_ENDIAN, STAMP_END, diagnostic_status
 from robots_core.ros.peers.identified_messages import identify, publishers_are_identified
 from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.peers.publisher_names import PublisherNames, Sender
@@ -279,25 +280,39 @@ class RobotNode(TimedNode):
         *,
         rate: float,
         clock: Clock | None = None,
+        again: Callable[[bytes], bool] | None = None,
     ) -> None:
         """Look for the newest message of a stream at a rate, and hand it on; a RobotsError refuses it.
 
         Args:
-            msg_type: The topic's type.
+            msg_type: The topic's type, with a header.
             topic: Its name.
             callback: Gets the message.
             rate: Hz.
             clock: Of the rate; that of the node by default.
+            again: Takes the serialized stamp of a message in which nothing else is new; False to have the
+                callback take the message too. On a wall clock such messages are taken at half the rate.
         """
-        subscription = PolledSubscription(self, msg_type, topic)
+        subscription = PolledSubscription(self, msg_type, topic, raw=True)
+        content = b''
 
         def check() -> None:
-            message = subscription.take()
-            if message is not None:
-                with self.refusing(topic):
-                    callback(message)
+            nonlocal content
+            data = subscription.take()
+            if data is None:
+                return
+            same = data[STAMP_END:] == content and data.startswith(LITTLE_ENDIAN)
+            with self.refusing(topic):
+                if not (same and again is not None and again(data[ENCAPSULATION_SIZE:STAMP_END])):
+                    content = b''
+                    callback(deserialize_message(data, msg_type))
+                    content = data[STAMP_END:]
+            if seldom and timer.timer_period_ns != periods[same]:
+                timer.timer_period_ns = periods[same]
 
-        self.create_timer(1.0 / rate, check, clock=clock)
+        timer = self.create_timer(1.0 / rate, check, clock=clock)
+        periods = timer.timer_period_ns, 2 * timer.timer_period_ns
+        seldom = again is not None and (clock is not None or not self.simulated_time)
 
     def create_subscription_with_sender(
         self, msg_type: Any, topic: str, callback: Callable[[Any, Sender], None]
