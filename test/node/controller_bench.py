@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from late_drives import PATIENT
+from late_drives import PATIENT, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
@@ -28,7 +28,7 @@ HOME = np.array(ROBOT.home)
 AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
 FAST_DRIVES = {'bandwidth': [40.0]}
 # One process runs the test too, which no thread may push aside.
-OPTIONS = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0}
+OPTIONS = {'robot_model': 'kuka_kr210_r2700', 'realtime_priority': 0, **SPARSE}
 STANDING = 20  # references that are the same; 25 come a second
 CRAWL = 0.02  # override: no machine comes too late for what happens on the way
 

@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
-from late_drives import LATE_DRIVES
+from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.following_methods import METHODS
@@ -44,8 +44,8 @@ class GuidedRobot(Bench):
         super().__init__(runner, 'sensor')
         self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
         self.stream = self.collect('joint_trajectory', JointTrajectory)
-        self.start_node(DriveNode, robot_model=NAME, initial_position=START.tolist())
-        self.start_node(ControllerNode, robot_model=NAME, **LATE_DRIVES)
+        self.start_node(DriveNode, robot_model=NAME, initial_position=START.tolist(), **SPARSE)
+        self.start_node(ControllerNode, robot_model=NAME, **LATE_DRIVES, **SPARSE)
         self.ik = self.start_node(InverseKinematicsNode, robot_model=NAME, method=method)
         self.poses = self.publisher('reference_pose', PoseStamped)
         self.twists = self.publisher('reference_twist', TwistStamped)
