@@ -16,7 +16,8 @@ from installed_browsers import DEADLINE, browser, installed_browser
 
 KALEIDO = 'kaleido'
 BROWSERS = [KALEIDO, *filter(None, [installed_browser()])]
-SOFTWARE_RENDERING = ('--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+# Plots by the processor itself: as what a graphics card would draw, all takes it twice as long.
+SOFTWARE_RENDERING = ('--disable-gpu', '--enable-unsafe-swiftshader')
 # What is drawn while a page loads is on its canvases then; a frame may never come where nobody looks.
 SETTLED = 'new Promise((done) => setTimeout(done))'
 # Colours of every canvas of the page: of plots those that are neither white nor transparent, of the view all.
@@ -30,8 +31,8 @@ LOOK = """(() => [...document.querySelectorAll('canvas')].map((canvas) => {
 }))()"""
 
 
-# What kaleido calls for each line that comes in; its own draws plots. Handlers are there before the page is.
-SCOPE = """var kaleido_scopes = {plotly: ({data}) => new Promise((resolve) => {
+# What kaleido calls for the line that comes in; its own draws plots. Handlers are there before the page is.
+SCOPE = """const opened = (page, look) => new Promise((resolve) => {
   const errors = [], frame = document.createElement('iframe');
   frame.style.cssText = 'width: 1400px; height: 1000px';
   document.body.appendChild(frame);
@@ -42,12 +43,17 @@ SCOPE = """var kaleido_scopes = {plotly: ({data}) => new Promise((resolve) => {
   view.console.error = (...words) => errors.push(words.join(' '));
   view.addEventListener('load', () => setTimeout(() => {
     const loaded = view.performance.getEntriesByType('resource').map((entry) => entry.name);
-    const result = JSON.stringify({errors: [...errors, ...loaded], colours: view.eval(data.look)});
-    resolve({code: 0, message: '', result, format: 'json'});
+    resolve({errors: [...errors, ...loaded], colours: view.eval(look)});
+    frame.remove();
   }));
-  frame.contentDocument.write(data.page);
+  frame.contentDocument.write(page);
   frame.contentDocument.close();
-})};"""
+});
+var kaleido_scopes = {plotly: async ({data}) => {
+  const told = [];
+  for (const page of data.pages) told.push(await opened(page, data.look));
+  return {code: 0, message: '', result: JSON.stringify(told), format: 'json'};
+}};"""
 
 
 @dataclass(frozen=True)
@@ -71,11 +77,11 @@ def open_pages(name: str, paths: Sequence[Path], folder: Path) -> list[Opened]:
         paths: The pages.
         folder: That of kaleido.
     """
-    return [_open_in_kaleido(path, folder) for path in paths] if name == KALEIDO else _open_in_chrome(paths)
+    return _open_in_kaleido(paths, folder) if name == KALEIDO else _open_in_chrome(paths)
 
 
-def _open_in_kaleido(path: Path, folder: Path) -> Opened:
-    """Open a page in the headless Chromium of kaleido, which needs no library of the system."""
+def _open_in_kaleido(paths: Sequence[Path], folder: Path) -> list[Opened]:
+    """Open pages in the headless Chromium of kaleido, which needs no library of the system."""
     spec = importlib.util.find_spec('kaleido')
     assert spec is not None
     assert spec.submodule_search_locations
@@ -85,10 +91,11 @@ def _open_in_kaleido(path: Path, folder: Path) -> Opened:
         (folder / 'js' / name).write_text(script, encoding='utf-8')
     nothing = (folder / 'js' / 'nothing.js').as_uri()
     places = {'LD_LIBRARY_PATH': 'lib', 'FONTCONFIG_PATH': 'etc/fonts', 'XDG_DATA_HOME': 'xdg'}
-    page = json.dumps({'data': {'page': path.read_text(encoding='utf-8'), 'look': LOOK}, 'format': 'json'})
+    pages = [path.read_text(encoding='utf-8') for path in paths]
+    line = json.dumps({'data': {'pages': pages, 'look': LOOK}, 'format': 'json'})
     done = subprocess.run(
         [home / 'bin' / 'kaleido', 'plotly', '--no-sandbox', f'--plotlyjs={nothing}', f'--mathjax={nothing}'],
-        input=f'{page}\n',
+        input=f'{line}\n',
         cwd=folder,
         env={**os.environ, **{name: str(home / place) for name, place in places.items()}},
         capture_output=True,
@@ -96,10 +103,12 @@ def _open_in_kaleido(path: Path, folder: Path) -> Opened:
         timeout=DEADLINE,
         check=True,
     )
-    started, opened = (json.loads(line) for line in done.stdout.splitlines()[:2])
-    assert started['code'] == opened['code'] == 0, done.stdout
-    told = json.loads(opened['result'])
-    return Opened(told['errors'], [(label, count) for label, count in told['colours']])
+    started, answer = (json.loads(line) for line in done.stdout.splitlines()[:2])
+    assert started['code'] == answer['code'] == 0, done.stdout
+    return [
+        Opened(told['errors'], [(label, count) for label, count in told['colours']])
+        for told in json.loads(answer['result'])
+    ]
 
 
 def _open_in_chrome(paths: Sequence[Path]) -> list[Opened]:
