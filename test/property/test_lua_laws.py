@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +35,8 @@ class LuaHost:
         self.program.finish_motion()
 
     def start(self, data: bytes) -> None:
+        self.commands.clear()
+        self.outputs.clear()
         self._path.write_bytes(data)
         self.program.open(self._path)
         self.program.run()
@@ -77,29 +78,28 @@ LITERALS = st.one_of(
 )
 
 
-@pytest.mark.parametrize('function', ROBOT_FUNCTIONS)
 @SHARED_FOLDER
 @given(arguments=st.lists(LITERALS, max_size=8), table=st.booleans())
 def test_any_arguments_run_or_are_explained(
     tmp_path: Path,
-    function: str,
     arguments: list[str],
     table: bool,  # noqa: FBT001
 ):
-    count_cases('Lua')
     host = LuaHost(tmp_path)
     listed = ', '.join(arguments)
-    error = host.run(f'{function}({{{listed}}})' if table else f'{function}({listed})')
-    if error is None:
-        assert host.program.run_state is RunState.FINISHED
-        for command in host.commands:
-            targets = [command.q] if command.pose is None else [command.pose.r, command.pose.T]
-            assert all(np.isfinite(target).all() for target in targets)
-    else:
-        assert error.reason.startswith(f'{function}: ')
-        assert error.line == 1
-        assert host.commands == []
-        assert host.outputs == []
+    for function in ROBOT_FUNCTIONS:
+        count_cases('Lua')
+        error = host.run(f'{function}({{{listed}}})' if table else f'{function}({listed})')
+        if error is None:
+            assert host.program.run_state is RunState.FINISHED, function
+            for command in host.commands:
+                targets = [command.q] if command.pose is None else [command.pose.r, command.pose.T]
+                assert all(np.isfinite(target).all() for target in targets), function
+        else:
+            assert error.reason.startswith(f'{function}: ')
+            assert error.line == 1, function
+            assert host.commands == [], function
+            assert host.outputs == [], function
 
 
 @SHARED_FOLDER
