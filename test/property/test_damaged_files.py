@@ -7,7 +7,7 @@ import operator
 import re
 from collections.abc import Callable, Iterator
 from datetime import date
-from functools import reduce
+from functools import cache, reduce
 from pathlib import Path
 from typing import Any, Final
 
@@ -187,17 +187,23 @@ def paths(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
         yield from paths(value, (*path, key))
 
 
+@cache
+def contents(text: str) -> Any:
+    """What a YAML file has; it is not to be changed."""
+    return yaml.safe_load(text)
+
+
 @st.composite
 def with_other_values(draw: st.DrawFn, text: str) -> bytes:
     """A YAML file of which some values are of any other type and size."""
-    data = yaml.safe_load(text)
+    data = copy.deepcopy(contents(text))
     for _ in range(draw(st.integers(1, 3))):
         *above, key = draw(st.sampled_from(list(paths(data))))
         place = reduce(operator.getitem, above, data)
         place[key] = copy.deepcopy(draw(st.sampled_from(VALUES_OF_ANY_TYPE)))
         if not list(paths(data)):
             break
-    return str(yaml.safe_dump(data, allow_unicode=True)).encode()
+    return str(yaml.dump(data, Dumper=yaml.CSafeDumper, allow_unicode=True)).encode()
 
 
 def damaged_yaml(text: str) -> st.SearchStrategy[bytes]:
