@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from distributed import LocalCluster
 from pyarrow import csv, parquet
 
 from robots_controller.commands.command_table import STUDY as STUDY_COMMAND
@@ -75,6 +74,8 @@ def test_on_all_cores_as_one_by_one(study: Study, one_by_one: list[str], tmp_pat
 
 
 def test_on_dask_as_one_by_one(study: Study, one_by_one: list[str], tmp_path: Path):
+    from distributed import LocalCluster  # noqa: PLC0415  # takes a quarter of a second to load
+
     # A worker in this process has the robots' modules already; messages go through a socket nevertheless.
     options = {'n_workers': 1, 'threads_per_worker': 1, 'processes': False, 'protocol': 'tcp://'}
     with LocalCluster(**options, dashboard_address=None) as cluster:
