@@ -100,6 +100,7 @@ LEAN: tuple[dict[tuple[str, ...], dict[str, str]], ...] = (
                 'robots_controller.nodes.lua_program_node',
                 'robots_controller.live_cell.cell_command',
                 'robots_controller.simulation.command_line',
+                'robots_controller.program_check.walk',
             ),
             'a program, simulated and recorded': (
                 'import tempfile; from robots_controller.simulate import simulate\n'

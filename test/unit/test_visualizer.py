@@ -13,10 +13,11 @@ from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot
 from robots_core.blocks import HalfSpace, PlacedBox, Scene, Zone
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import CHUNK, CHUNKS, JUMP, LONGEST_TRACE, SPACING
-from robots_core.blocks.visualizer import Visualizer, reach
+from robots_core.blocks.visualizer import Visualizer
 from robots_core.errors import InvalidInputError
 from robots_core.free_port import free_port
 from robots_core.robot_model.shapes import Box
+from robots_core.robot_model.stretched_length import stretched_length
 from robots_core.validation import Array
 
 LOCAL = '127.0.0.1'
@@ -174,10 +175,10 @@ def test_impossible_port_is_refused(port: int):
         free_port(LOCAL, port)
 
 
-def test_reach_is_the_length_of_the_stretched_robot():
-    # Bello Bot stands straight up at zero: its reach is the height of its flange.
+def test_the_stretched_length_is_the_height_of_a_robot_that_stands_straight():
+    # Bello Bot stands straight up at zero: that is the height of its flange.
     robot = load_robot_model('bello_bot')
-    assert reach(robot) == pytest.approx(1.72, abs=1e-9)
+    assert stretched_length(robot) == pytest.approx(1.72, abs=1e-9)
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ import numpy as np
 
 from robots_controller.degrees import for_program, pose_to_program
 from robots_core.blocks.inverse_kinematics.hold import POSITION, held_by
-from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.stretched_length import stretched_length
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.verification.trajectory_verification import RATIO_TOLERANCE, verify
 
@@ -45,7 +45,7 @@ def refusal(error: RobotsError, target: Pose | None, convention: str) -> str:
 def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> Iterator[str]:
     count = max(2, int(np.ceil(motion.duration / SAMPLE_PERIOD)) + 1)
     times = np.linspace(0.0, motion.duration, count)
-    length = reach(robot)
+    length = stretched_length(robot)
     scale = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     held = 3 if hold == POSITION else 6
     values = [

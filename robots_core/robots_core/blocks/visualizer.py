@@ -16,16 +16,15 @@ from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.page_camera import FIELD_OF_VIEW, VIEWS, CameraView, PlacedBounds, View, camera_view
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
-from robots_core.files.content_cache import Arrays, content_of, kept
 from robots_core.free_port import free_port
 from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Box, Geometry, Mesh, Shape
-from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
+from robots_core.robot_model.shapes import Box, Geometry, Shape
+from robots_core.robot_model.stretched_length import stretched_length
+from robots_core.robot_model.urdf.triangle_mesh import shaded, triangle_mesh
 from robots_core.validation import Array
 
-CREASE = np.pi / 6  # rad; sharper edges stay visible, flatter ones are shaded smoothly
 BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
 GHOST_COLOUR = (0.0, 0.59, 0.53, 0.35)
@@ -42,20 +41,6 @@ def zone_solid(zone: Zone, size: float) -> tuple[Box, Pose]:
             across = np.linalg.svd(normal[None])[2][1:]
             T = np.column_stack([across[0], np.cross(normal, across[0]), normal])
             return Box((size, size, PLATE)), Pose(point, T)
-
-
-def shaded(geometry: Geometry) -> trimesh.Trimesh:
-    """The surface of a geometry with doubled vertices at creases; that of a mesh is kept by content."""
-    mesh = triangle_mesh(geometry)
-    if not isinstance(geometry, Mesh):
-        return trimesh.graph.smooth_shade(mesh, angle=CREASE)
-
-    def shade() -> Arrays:
-        smooth = trimesh.graph.smooth_shade(mesh, angle=CREASE)
-        return {'vertices': np.asarray(smooth.vertices), 'faces': np.asarray(smooth.faces)}
-
-    content = content_of((geometry.vertices, geometry.faces, CREASE))
-    return trimesh.Trimesh(**kept('shaded', content, shade), process=False)
 
 
 class Visualizer:
@@ -82,7 +67,7 @@ class Visualizer:
         self._kinematics = DirectKinematics(robot, tool=tool)
         self._robot = robot
         self._host = host
-        self._reach = reach(robot)
+        self._reach = stretched_length(robot)
         first = free_port(host, port)
         # The server has no option to suppress its output.
         with contextlib.redirect_stdout(io.StringIO()):
@@ -311,14 +296,6 @@ class Visualizer:
                 camera.up_direction, camera.position, camera.look_at = found.up, found.position, found.look_at
 
         views.on_click(look)
-
-
-def reach(robot: BaseRobotModel) -> float:
-    """Length of the stretched robot, m: the distances from the base over all axes to tool0."""
-    r, _ = robot.kinematic_model.frame_axes(robot.home)
-    tool0, _ = robot.direct_kinematics(robot.home)
-    points = np.vstack([np.zeros(3), r, tool0])
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def _wxyz(T: Array) -> Array:

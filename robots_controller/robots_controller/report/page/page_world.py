@@ -3,17 +3,16 @@
 from typing import Any, Final
 
 import numpy as np
-import trimesh
 from scipy.spatial.transform import Rotation
 
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.run_report import RunReport
 from robots_core.blocks.collision.scene import AttachedObject, SceneObject
-from robots_core.blocks.visualizer import CREASE, reach
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Shape
-from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
+from robots_core.robot_model.stretched_length import stretched_length
+from robots_core.robot_model.urdf.triangle_mesh import shaded, triangle_mesh
 from robots_core.validation import Array
 
 POSES_PER_SECOND: Final = 30.0
@@ -33,7 +32,7 @@ def world(reports: tuple[RunReport, ...], arrays: PageArrays) -> dict[str, Any]:
     meshes: list[dict[str, int]] = []
     robots = [_robot(report, number, arrays, meshes) for number, report in enumerate(reports)]
     return {
-        'reach': max(reach(report.run.robot) for report in reports),
+        'reach': max(stretched_length(report.run.robot) for report in reports),
         'meshes': meshes,
         'robots': robots,
     }
@@ -71,12 +70,10 @@ def _poses(report: RunReport) -> tuple[Array, Array]:
     run = report.run
     count = int(np.clip(np.ceil(run.duration * POSES_PER_SECOND) + 1, 2, MOST_POSES))
     rows = np.unique(np.linspace(0, run.time.size - 1, min(count, run.time.size)).astype(np.int64))
-    poses = np.empty((rows.size, run.robot.num_axes, 7))
-    for place, row in enumerate(rows):
-        r, T = run.robot.kinematic_model.frame_axes(run.feedback[0][row])
-        poses[place, :, :3] = r
-        poses[place, :, 3:] = Rotation.from_matrix(T).as_quat()
-    return run.time[rows], poses
+    frames = [run.robot.kinematic_model.frame_axes(q) for q in run.feedback[0][rows]]
+    r, T = (np.array(parts) for parts in zip(*frames, strict=True))
+    quaternions = Rotation.from_matrix(T.reshape(-1, 3, 3)).as_quat().reshape(*r.shape[:2], 4)
+    return run.time[rows], np.concatenate([r, quaternions], axis=2)
 
 
 def _shapes(robot: BaseRobotModel) -> tuple[Shape, ...]:
@@ -99,8 +96,7 @@ def _part(
     meshes: list[dict[str, int]],
 ) -> dict[str, Any]:
     frame, pose = place
-    mesh = triangle_mesh(item.geometry)
-    mesh = trimesh.graph.smooth_shade(mesh, angle=CREASE)
+    mesh = shaded(item.geometry)
     if len(mesh.vertices) > MOST_VERTICES:
         mesh = mesh.convex_hull
     mesh.apply_transform(np.block([[pose.T, pose.r[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]))
