@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lti
 
 from robots_core import load_robot_model
 from robots_core.blocks.drives.drive_choice import drive_train
@@ -25,6 +24,8 @@ def test_an_ideal_drive_is_where_its_reference_is():
 
 
 def test_a_second_order_drive_answers_a_step_as_its_transfer_function():
+    from scipy.signal import lti  # noqa: PLC0415  # takes half a second to load
+
     # Complex eigenvalues, real ones, and those that meet or nearly do.
     bandwidth, damping = np.array([5.0, 12.0, 15.0, 15.0]), np.array([0.4, 1.3, 1.0, 1.0 + 1e-12])
     drive = SecondOrderDrive(np.zeros(4), period=0.004, bandwidth=bandwidth, damping=damping)

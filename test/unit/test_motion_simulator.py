@@ -187,7 +187,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> RecordedCabin:
     """A person who speeds up around a curve and brakes, on the linear axis; then the signal stops."""
     folder = tmp_path_factory.mktemp('run')
     inputs = [joy(0.05 * k, 0.15 if k > 20 else 0.0, 1.0 if k < 50 else -0.6) for k in range(70)]
-    run = simulated(folder, ON_AXIS, inputs, 6.5)
+    run = simulated(folder, ON_AXIS, inputs, 5.2)
     assert run.ok, run.error
     assert [motion.ok for motion in run.motions] == [True, True]
     cabin = FOLDER / 'cabin_on_axis.yaml'
