@@ -61,15 +61,10 @@ compare = _comparison()
 
 @settings(max_examples=750)
 @given(subject=SUBJECTS, pattern=WELL_FORMED, init=st.one_of(st.none(), st.integers(-12, 12)))
-def test_searches_agree(subject: str, pattern: str, init: int | None):
+def test_searches_and_substitutions_agree(subject: str, pattern: str, init: int | None):
     for name in (b'find', b'match', b'gmatch'):
         theirs, ours = compare(name, subject.encode(), pattern.encode(), init)
         assert ours == theirs, name
-
-
-@settings(max_examples=750)
-@given(subject=SUBJECTS, pattern=WELL_FORMED)
-def test_substitutions_agree(subject: str, pattern: str):
     for by in (b'text', b'capture', b'number', b'table', b'function'):
         theirs, ours = compare(b'gsub', subject.encode(), pattern.encode(), by)
         assert ours == theirs, by
