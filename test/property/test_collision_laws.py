@@ -73,17 +73,22 @@ def poses(draw: st.DrawFn, spread: float = 0.6) -> Pose:
 PLACE = Pose(np.array([20.0, 0.0, 0.0]), np.eye(3))
 
 
+def two_objects(attached: Geometry, at: Pose, standing: Geometry, pose: Pose) -> Scene:
+    """One attached and one standing object, by their poses where the robot is at home."""
+    tool0 = Pose(*robot().direct_kinematics(robot().home))
+    return Scene(
+        (SceneObject('obstacle', standing, pose),),
+        (AttachedObject('tool', attached, tool0.inverse() @ at),),
+        frozenset(('tool', shape.name) for shape in robot().collision_model.shapes),
+    )
+
+
 def pair(
     first: Geometry, second: Geometry, pose: Pose, engine: str
 ) -> tuple[CollisionDetection, np.ndarray, Pose, Pose]:
     """A detection of one attached and one standing object, a posture, and the objects' poses."""
-    q = robot().home
-    tool0 = Pose(*robot().direct_kinematics(q))
-    scene = Scene(
-        (SceneObject('obstacle', second, PLACE @ pose),),
-        (AttachedObject('tool', first, tool0.inverse() @ PLACE),),
-    )
-    return CollisionDetection(robot(), scene=scene, engine=engine), q, PLACE, PLACE @ pose
+    scene = two_objects(first, PLACE, second, PLACE @ pose)
+    return CollisionDetection(robot(), scene=scene, engine=engine), robot().home, PLACE, PLACE @ pose
 
 
 def proximity(detection: CollisionDetection, q: np.ndarray) -> Proximity:
@@ -172,8 +177,6 @@ def test_distance_does_not_depend_on_where_both_stand(
     first: Geometry, second: Geometry, pose: Pose, seed: int
 ):
     """Moved together as one body, two objects keep their distance; exchanged too."""
-    q = robot().home
-    tool0 = Pose(*robot().direct_kinematics(q))
     rng = np.random.default_rng(seed)
     moved = Pose(PLACE.r + rng.uniform(-1.0, 1.0, 3), Rotation.random(random_state=rng).as_matrix())
     distances = []
@@ -182,11 +185,8 @@ def test_distance_does_not_depend_on_where_both_stand(
         (first, second, pose, moved),
         (second, first, pose.inverse(), moved),
     ):
-        scene = Scene(
-            (SceneObject('obstacle', b, place @ relative),),
-            (AttachedObject('tool', a, tool0.inverse() @ place),),
-        )
-        distances.append(proximity(CollisionDetection(robot(), scene=scene), q).distance)
+        detection = CollisionDetection(robot(), scene=two_objects(a, place, b, place @ relative))
+        distances.append(proximity(detection, robot().home).distance)
     assert np.ptp(distances) <= 2.0 * ENGINE_TOLERANCE
 
 
