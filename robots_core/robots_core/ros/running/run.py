@@ -110,8 +110,9 @@ def _go_on(nodes: Sequence[TimedNode]) -> Callable[[], None]:
 def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:
     for heartbeat in heartbeats:
         heartbeat.stop()
-    # The page, the bag and the last messages are closed before another signal may end the process.
-    for node in nodes:
+    # The page, the bag and the last messages are closed before another signal may end the process. The first
+    # node reports for all in lock-step, and others still publish when they end.
+    for node in (*nodes[1:], *nodes[:1]):
         node.destroy_node()
     if executor is not None:
         executor.shutdown()
