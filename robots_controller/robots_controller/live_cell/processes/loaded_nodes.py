@@ -1,9 +1,10 @@
-"""Loads the modules of all nodes and the compiled code of one robot, when the fork server imports it."""
+"""Loads the modules of nodes and the compiled code of one robot, when the fork server imports it."""
 
 import gc
 import inspect
 import sys
 from importlib import import_module
+from typing import Final
 
 from rosidl_generator_py import import_type_support
 
@@ -14,10 +15,14 @@ from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_planning.guidance.teach_box import JOG_RATE, TeachBox
 from robots_planning.pathplanning import PathPlanning
 
+IN_VIEWS: Final = ('visualizer_node',)
+"""Loaded where they run: what they alone import takes long, and many cells have no view."""
+
 
 def _load() -> None:
     for script in node_scripts():
-        import_module(script.module)
+        if script.name not in IN_VIEWS:
+            import_module(script.module)
     _load_messages()
     robot = load_robot_model(available_robot_models()[0])
     PathPlanning(robot, collision=CollisionDetection(robot)).warm_up()
