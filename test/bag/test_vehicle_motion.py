@@ -29,8 +29,9 @@ NAMES = list(AXES.names)
 CABIN = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
 RATE = 100.0  # Hz, of the recorded motion and the references
 DT = 1.0 / RATE
-SINES = 4.0  # s
-DURATION, REST = 8.0, 1.5  # s
+SINES = 3.0  # s
+IMPACTS = ((4.0, 4.03), (4.5, 4.51))  # s
+DURATION, REST = 5.0, 1.5  # s
 RECORDED_AT = 1_600_000_000.0  # s: stamps of a day long past
 
 
@@ -48,8 +49,9 @@ def vehicle_motion(t: float) -> Pose:
     away *= fade
     if t >= SINES:
         away *= 0.3
-        away[:3] += 0.1 * np.array([1.0, -1.0, 0.5]) * (int(t - SINES) % 2)  # a step every second
-        if 6.0 <= t < 6.03 or 7.0 <= t < 7.01:
+        # A step every half second.
+        away[:3] += 0.1 * np.array([1.0, -1.0, 0.5]) * (int(2.0 * (t - SINES)) % 2)
+        if any(begin <= t < end for begin, end in IMPACTS):
             away += np.array([0.5, 0.3, -0.4, 0.4, -0.3, 0.5])  # an impact: there and back within 30 ms
     r, T = ROBOT.direct_kinematics(CABIN)
     return Pose(r + away[:3], Rotation.from_rotvec(away[3:]).as_matrix() @ T)
