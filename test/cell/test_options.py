@@ -15,6 +15,7 @@ from short_programs import PROGRAMS
 
 PRESS = str(PROGRAMS / 'press_tending.lua')
 PILLAR = str(PROGRAMS / 'welding_around_pillar.lua')
+COMMANDS = ('cell', 'simulate')
 
 
 @pytest.mark.parametrize(
@@ -89,17 +90,27 @@ def test_the_payload_is_a_list_of_numbers() -> None:
         parse_options(['--payload', '-5,0,0,0.1'])
 
 
-@pytest.mark.parametrize('target', ['demo', 'simulate'])
-def test_make_leaves_the_cell_to_the_program_by_default(target: str) -> None:
-    def shown(*words: str) -> str:
-        command = ['make', '-n', target, 'PROGRAM=programs/press_tending.lua', *words]
-        return subprocess.run(command, cwd=PROGRAMS.parent, capture_output=True, text=True, check=True).stdout
+def test_make_leaves_the_cell_to_the_program_by_default() -> None:
+    def shown(*words: str) -> list[str]:
+        """The commands of a demo and of a simulation."""
+        command = ['make', '-n', 'demo', 'simulate', 'PROGRAM=programs/press_tending.lua', *words]
+        output = subprocess.run(
+            command, cwd=PROGRAMS.parent, capture_output=True, text=True, check=True
+        ).stdout
+        found = [
+            output.partition(f'robots_controller/{name} ')[2].partition(' --scene ') for name in COMMANDS
+        ]
+        return [before + scene + after.partition('\n')[0] for before, scene, after in found]
 
-    assert all(option in shown() for option in ('programs/press_tending.lua', '--robot ""', '--io ""'))
-    overridden = shown('ROBOT=ur5e', 'IO=plc.yaml', 'SCENE=table.yaml')
-    assert all(
-        option in overridden for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"')
-    )
+    for command in shown():
+        assert all(
+            option in command
+            for option in ('programs/press_tending.lua', '--robot ""', '--io ""', '--scene ""')
+        )
+    for command in shown('ROBOT=ur5e', 'IO=plc.yaml', 'SCENE=table.yaml'):
+        assert all(
+            option in command for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"')
+        )
 
 
 def test_the_operators_page_is_served_to_others_with_a_password_alone(tmp_path: Path) -> None:
