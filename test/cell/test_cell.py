@@ -102,12 +102,17 @@ def test_a_wrong_program_is_reported_and_leads_to_an_error_code(
     assert 'Traceback' not in cell.text
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_and_terminate_stop_all_nodes(start_process: StartProcess, number: signal.Signals) -> None:
-    cell = start_process('--robot', 'bello_bot')
+@pytest.mark.parametrize(
+    ('number', 'options', 'processes'),
+    [(signal.SIGINT, (), 7), (signal.SIGTERM, ('--composed', '--headless'), 3)],
+)
+def test_ctrl_c_and_terminate_stop_all_nodes(
+    start_process: StartProcess, number: signal.Signals, options: tuple[str, ...], processes: int
+) -> None:
+    cell = start_process('--robot', 'bello_bot', *options)
     cell.until_ready()
     pids = cell.node_pids()
-    assert len(pids) == 7
+    assert len(pids) == processes
     for pid in (cell.process.pid, *pids.values()):
         addresses = cell.udp_addresses(pid)
         assert '127.0.0.1' in addresses
