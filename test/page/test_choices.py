@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
 import numpy as np
-import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
-from installed_browsers import browser
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
@@ -19,7 +16,7 @@ from robots_core import load_robot_model
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.validation import Array
 
-from .browser_page import open_page, press, take_control, wait
+from .browser_page import press, shown, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, served
 
 PROGRAMS = '.program-panel .q-select input'
@@ -28,12 +25,6 @@ CHOOSE = """([selector, index, label]) => {
     const place = document.querySelector(selector);
     getElement(Number(place.id.slice(1))).$emit('update:model-value', {value: index, label: label});
 }"""
-
-
-@pytest.fixture(scope='module')
-def running() -> Iterator[Browser]:
-    with browser('--disable-gpu') as started:
-        yield started
 
 
 def choose(page: Page, selector: str, index: int, label: str) -> None:
@@ -47,11 +38,10 @@ def names(page: Page, label: str) -> list[str]:
 
 
 def test_the_entry_that_was_shown_is_chosen_however_the_list_has_changed(
-    running: Browser, tmp_path: Path
+    window: Page, tmp_path: Path
 ) -> None:
     operator, cell = made_up_operator()
-    with served(operator, tmp_path) as url:
-        page = open_page(running, url)
+    with served(operator, tmp_path) as url, shown(window, url) as page:
         take_control(page)
         page.get_by_role('tab', name='Program').click()
         assert names(page, 'Robot program') == []
@@ -70,10 +60,9 @@ def test_the_entry_that_was_shown_is_chosen_however_the_list_has_changed(
         choose(page, PROGRAMS, 0, 'a.lua')
         wait(page, lambda: len(cell.calls) > 1, 'another program')
         assert cell.calls[1:] == [('open', str(tmp_path / 'a.lua'))]
-        page.context.close()
 
 
-def test_a_robot_is_jogged_along_a_taught_point_as_it_is_now(running: Browser, tmp_path: Path) -> None:
+def test_a_robot_is_jogged_along_a_taught_point_as_it_is_now(window: Page, tmp_path: Path) -> None:
     operator, cell = made_up_operator()
     points = tmp_path / 'a.points.yaml'
     program = ShownProgram(str(tmp_path / 'a.lua'), RunState.OPENED, 'a.lua', points_file=str(points))
@@ -87,8 +76,7 @@ def test_a_robot_is_jogged_along_a_taught_point_as_it_is_now(running: Browser, t
 
     places = [(0.0, -90.0, 90.0, 0.0, 60.0, 0.0), (30.0, -80.0, 80.0, 40.0, 60.0, 0.0)]
     teach(*places[0])
-    with served(operator, tmp_path) as url:
-        page = open_page(running, url)
+    with served(operator, tmp_path) as url, shown(window, url) as page:
         take_control(page)
         page.get_by_role('button', name='Frame').click()
         page.get_by_label('Axes along').click()
@@ -102,10 +90,9 @@ def test_a_robot_is_jogged_along_a_taught_point_as_it_is_now(running: Browser, t
             wait(page, lambda: not cell.moving(), 'a stop')
             twist = np.array(cell.calls[0][1:4])
             np.testing.assert_allclose(twist / np.linalg.norm(twist), direction, atol=1e-9)
-        page.context.close()
 
 
-def test_what_the_page_shows_commands_nothing(running: Browser, tmp_path: Path) -> None:
+def test_what_the_page_shows_commands_nothing(window: Page, tmp_path: Path) -> None:
     robot = load_robot_model('kuka_kr210_r2700')
     cell = MadeUpCell()
     ready = ready_state(robot)
@@ -114,19 +101,17 @@ def test_what_the_page_shows_commands_nothing(running: Browser, tmp_path: Path) 
         (tmp_path / name).write_text('wait(1)\n')
         program = ShownProgram(str(tmp_path / name), RunState.OPENED, name)
         states.append(replace(ready, program=program, mode=mode, override=0.3 if mode == 'T1' else 0.6))
-    shown = cycle(states)
+    turns = cycle(states)
 
     class ChangingOperator(PendantOperator):
         """Its cell is in another state whenever it is looked at."""
 
-        state = property(lambda _: next(shown), lambda *_: None)  # type: ignore[assignment]
+        state = property(lambda _: next(turns), lambda *_: None)  # type: ignore[assignment]
 
     operator = ChangingOperator(robot, cell, lambda: 0.0)
-    with served(operator, tmp_path) as url:
-        page = open_page(running, url)
+    with served(operator, tmp_path) as url, shown(window, url) as page:
         take_control(page)
         page.get_by_role('tab', name='Program').click()
         for name in ('a.lua', 'b.lua', 'c.lua', 'a.lua'):
             page.locator('.bar').get_by_text(f'{name}: ready').wait_for()
-        page.context.close()
     assert {call[0] for call in cell.calls} == set()

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from installed_browsers import browser
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
@@ -23,12 +22,6 @@ from .made_up_cell import MadeUpCell, made_up_operator, ready_state, served
 from .touched_tip import TIP, TOOL, TURNS, guide, save, touching
 
 ROBOT = 'kuka_kr210_r2700'
-
-
-@pytest.fixture(scope='module')
-def running() -> Iterator[Browser]:
-    with browser('--disable-gpu') as started:
-        yield started
 
 
 @pytest.fixture(scope='module')

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Page
 
-from installed_browsers import browser
-
-from .browser_page import open_page, press, take_control, wait
+from .browser_page import press, shown, take_control, wait
 from .made_up_cell import made_up_operator, served
 
 AXES = 100
@@ -32,10 +31,9 @@ def urdf(path: Path, axes: int) -> str:
 
 
 @pytest.mark.parametrize('axes', [3, AXES])
-def test_every_axis_is_jogged(tmp_path: Path, axes: int) -> None:
+def test_every_axis_is_jogged(window: Page, tmp_path: Path, axes: int) -> None:
     operator, cell = made_up_operator(urdf(tmp_path / 'chain.urdf', axes))
-    with served(operator) as url, browser('--disable-gpu') as running:
-        page = open_page(running, url, viewport={'width': 1024, 'height': 768})
+    with served(operator) as url, shown(window, url) as page:
         take_control(page)
         assert page.locator('.jog-row').count() == axes
         press(page, f'[data-press="axes {axes - 1} +"]')

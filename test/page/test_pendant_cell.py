@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from playwright.sync_api import Browser, Page
 from trajectory_msgs.msg import JointTrajectory
 
-from installed_browsers import browser
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -21,7 +21,7 @@ from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_planning.nodes.planning_node import PlanningNode
 
-from .browser_page import FORWARDS, open_page, press, take_control, wait
+from .browser_page import FORWARDS, open_page, press, shown, take_control, wait
 from .touched_tip import TOOL, TURNS, guide, save, touching
 
 ROBOT = 'bello_bot'
@@ -30,7 +30,7 @@ LATE = 0.1  # rad
 PAGE = {'port': 0, 'connection_timeout': 60.0}
 
 
-def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -> None:
+def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(running: Browser, ros_nodes: Any) -> None:
     moving: list[bool] = [False]
     ros_nodes.create_node().create_subscription(
         JointTrajectory,
@@ -44,19 +44,18 @@ def test_a_robot_is_jogged_and_stands_when_the_browser_is_gone(ros_nodes: Any) -
     options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES, **SPARSE}
     ros_nodes.add(ControllerNode(**ros_nodes.options(**options)))
     node = ros_nodes.add(PendantNode(**ros_nodes.options(robot_model=ROBOT, **PAGE)))
-    with browser('--disable-gpu') as running:
-        page = open_page(running, node.url)
-        page.get_by_text('connected', exact=True).wait_for()
-        take_control(page)
-        page.locator('.jog-panel .rows:not(.blocked)').wait_for()
-        press(page, FORWARDS)
-        wait(page, lambda: moving[-1], 'it moves')
-        page.context.close()
-        ros_nodes.wait_for(lambda: not moving[-1], what='it stands')
+    page = open_page(running, node.url)
+    page.get_by_text('connected', exact=True).wait_for()
+    take_control(page)
+    page.locator('.jog-panel .rows:not(.blocked)').wait_for()
+    press(page, FORWARDS)
+    wait(page, lambda: moving[-1], 'it moves')
+    page.context.close()
+    ros_nodes.wait_for(lambda: not moving[-1], what='it stands')
 
 
 def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
-    ros_nodes: Any, tmp_path: Path
+    window: Page, ros_nodes: Any, tmp_path: Path
 ) -> None:
     robot = load_robot_model(TOUCHING)
     program = tmp_path / 'touch.lua'
@@ -72,13 +71,12 @@ def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
         PendantNode(**ros_nodes.options(robot_model=TOUCHING, programs=str(tmp_path), **PAGE))
     )
     operator: PendantOperator = node.operator
-    with browser('--disable-gpu') as running:
-        page = open_page(running, node.url)
+    with shown(window, node.url) as page:
         page.get_by_text('connected', exact=True).wait_for()
         take_control(page)
         operator.open_program(operator.desk.holder, str(program))
         page.get_by_role('tab', name='Tools').click()
-        shown = guide(page, 'Tool')
+        tool = guide(page, 'Tool')
         for number in range(len(TURNS)):
             action = Action.RESUME if number else Action.RUN
             wait(page, lambda: _permitted(operator, action), 'a program that can go on')  # noqa: B023
@@ -86,12 +84,11 @@ def test_a_known_tool_is_found_within_a_tenth_of_a_millimetre_in_a_cell(
             operator.act(operator.desk.holder, action)
             wait(page, lambda: _halted(operator, line), 'the next point')  # noqa: B023
             wait(page, lambda: _stands(operator, moves[number]), 'a robot that stands')  # noqa: B023
-            shown.get_by_role('button', name='Touch here').first.click()
-            shown.locator('.touched-point.touched').nth(number).wait_for()
-        shown.locator('.found:not(.wrong)').first.wait_for()
-        save(shown, 'gripper')
-        shown.get_by_text('gripper is saved in frames.yaml.').wait_for()
-        page.context.close()
+            tool.get_by_role('button', name='Touch here').first.click()
+            tool.locator('.touched-point.touched').nth(number).wait_for()
+        tool.locator('.found:not(.wrong)').first.wait_for()
+        save(tool, 'gripper')
+        tool.get_by_text('gripper is saved in frames.yaml.').wait_for()
     found = read_frames(tmp_path / 'frames.yaml').tools['gripper'].pose.r
     assert np.linalg.norm(found - TOOL) < 1e-4
 

@@ -10,20 +10,13 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from installed_browsers import browser
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownPlc
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 
-from .browser_page import open_page, take_control, wait
+from .browser_page import open_page, shown, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, running_program, served
-
-
-@pytest.fixture(scope='module')
-def running() -> Iterator[Browser]:
-    with browser('--disable-gpu') as started:
-        yield started
 
 
 @pytest.fixture(scope='module')
@@ -36,7 +29,7 @@ def served_cell() -> Iterator[tuple[PendantOperator, MadeUpCell, str]]:
 @pytest.fixture
 def operator(served_cell: tuple[PendantOperator, MadeUpCell, str]) -> PendantOperator:
     operator, cell, _ = served_cell
-    operator.state, operator.desk.holder = ready_state(operator.robot), ''
+    operator.state = ready_state(operator.robot)
     cell.calls.clear()
     return operator
 
@@ -51,14 +44,20 @@ def url(served_cell: tuple[PendantOperator, MadeUpCell, str]) -> str:
     return served_cell[2]
 
 
+@pytest.fixture(scope='module')
+def shared_page(window: Page, served_cell: tuple[PendantOperator, MadeUpCell, str]) -> Iterator[Page]:
+    with shown(window, served_cell[2]) as page:
+        yield page
+
+
 @pytest.fixture
-def page(running: Browser, operator: PendantOperator, url: str) -> Iterator[Page]:
-    """A page, in control."""
-    page = open_page(running, url, viewport={'width': 1024, 'height': 768})
-    take_control(page)
+def page(shared_page: Page, operator: PendantOperator) -> Page:
+    """The page, in control."""
+    own = shared_page.locator('.control.own')
+    wait(shared_page, lambda: bool(own.count()) == bool(operator.desk.holder), 'what a test before has left')
+    take_control(shared_page)
     assert operator.desk.holder
-    yield page
-    page.context.close()
+    return shared_page
 
 
 def test_messages_are_filtered_acknowledged_exported_and_kept(
@@ -94,8 +93,8 @@ def test_the_bar_shows_the_cell_and_sets_mode_and_override(
 ) -> None:
     operator.state = replace(operator.state, override=0.5, tool_speed=0.148)
     bar = page.locator('.bar')
-    for shown in (operator.robot.name, 'connected', 'nobody', 'no program', '148 mm/s', '50 %'):
-        bar.get_by_text(shown, exact=True).wait_for()
+    for text in (operator.robot.name, 'connected', 'nobody', 'no program', '148 mm/s', '50 %'):
+        bar.get_by_text(text, exact=True).wait_for()
     assert cell.calls == []  # who looks on, and who takes control, changes nothing
     bar.get_by_role('button', name='Faster').click()
     wait(page, lambda: cell.calls == [('override', 0.55)], 'another override')
@@ -124,13 +123,15 @@ def test_what_stops_robot_and_jog_is_said_in_the_language_of_the_page(
     operator.desk.holder = ''
 
 
-def test_the_3d_view_has_the_theme_of_the_page(running: Browser, operator: PendantOperator, url: str) -> None:
+def test_the_3d_view_has_the_theme_of_the_page(page: Page, operator: PendantOperator) -> None:
     operator.state = replace(operator.state, scene_url='http://127.0.0.1:9')
-    other = open_page(running, url, color_scheme='dark')
+    page.emulate_media(color_scheme='dark')
+    page.reload()
     for source in ('http://localhost:9?darkMode', 'http://localhost:9'):
-        other.locator(f'.scene iframe[src="{source}"]').wait_for()
-        other.get_by_role('button', name='Dark or light').click()
-    other.context.close()
+        page.locator(f'.scene iframe[src="{source}"]').wait_for()
+        page.get_by_role('button', name='Dark or light').click()
+    page.emulate_media(color_scheme='light')
+    page.reload()
 
 
 def test_forced_inputs_and_the_plc_cannot_be_overlooked(page: Page, operator: PendantOperator) -> None:
