@@ -24,7 +24,8 @@ def robot_in_use() -> BaseRobotModel:
 def compile_in_parallel(jobs: Sequence[Callable[[], None]]) -> None:
     """Run jobs that use compiled functions, in as many processes as processors, and show which have ended.
 
-    Jobs begin in their order: those first that compile what others share. The machine code is kept on disk.
+    Jobs begin in their order: the first compiles what others share, the second shares little with it. The
+    machine code is kept on disk.
     """
     print(f'Compiling {len(jobs)} groups of functions, about a minute on two processors ...', flush=True)
     start = time.monotonic()

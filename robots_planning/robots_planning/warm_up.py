@@ -95,7 +95,7 @@ if __name__ == '__main__':
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--cell', action='store_true', help='only what every cell uses')
     shared, *others = CELL_JOBS
-    jobs = [shared, lines_at_limited_speed, *others, joint_motions, joint_motions_around_obstacles]
+    jobs = [shared, joint_motions, lines_at_limited_speed, joint_motions_around_obstacles, *others]
     if not parser.parse_args().cell:
         jobs += [paths_that_hold_a_position, paths_at_the_limits_of_the_axes, drives_and_zones]
     compile_in_parallel(jobs)

@@ -73,7 +73,7 @@ def follow(
     limits: Array,
     path: PathArrays,
     free: FreeAxes,
-    rows: int | None,
+    rows: int,
     start: Array,
     samples: JointSamples,
 ) -> tuple[int, int]:
@@ -86,7 +86,7 @@ def follow(
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
         free: The guide.
-        rows: None for whole poses; else as in `held_following_kernel`. Each is compiled by itself.
+        rows: 0 for whole poses; else as in `held_following_kernel`.
         start: Joint positions at s = 0, (n,).
         samples: Filled; room for `MAX_SAMPLES` + 1.
 
@@ -157,7 +157,7 @@ def _advance(
     chain: ChainArrays,
     path: PathArrays,
     free: FreeAxes,
-    rows: int | None,
+    rows: int,
     samples: JointSamples,
     i: int,
     guess: Array,
@@ -169,14 +169,12 @@ def _advance(
     _extrapolate(samples, i, guess)
     place_target(path, s[j], residual)
     # Where the target leaves axes free, it does not determine q: the integration is repeated.
-    redundant = n > (6 if rows is None else rows)
+    redundant = n > (rows or 6)
     for again in range(3 if free.pull > 0.0 else 2 if redundant else 1):
         if again:
             _integrate(samples, i, guess)
         fine = (
-            correct(chain, guess, residual)
-            if rows is None
-            else correct_conditions(chain, guess, residual, rows)
+            correct(chain, guess, residual) if rows == 0 else correct_conditions(chain, guess, residual, rows)
         )
         if not fine:
             return -1.0
@@ -201,14 +199,14 @@ def _derivatives(
     chain: ChainArrays,
     path: PathArrays,
     free: FreeAxes,
-    rows: int | None,
+    rows: int,
     samples: JointSamples,
     i: int,
     residual: PoseResidual,
 ) -> bool:
     """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
     s, q, q_s, q_ss = samples
-    if rows is not None:
+    if rows > 0:
         return rates_held(chain, path, s[i], q[i], residual, rows, q_s[i], q_ss[i])
     desired, desired_s = np.zeros(q.shape[1]), np.zeros(q.shape[1])
     if free.pull > 0.0:
@@ -254,14 +252,14 @@ def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
 
 
 @compiled()
-def _deviation(chain: ChainArrays, rows: int | None, q: Array, residual: PoseResidual) -> float:
+def _deviation(chain: ChainArrays, rows: int, q: Array, residual: PoseResidual) -> float:
     """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
     deviation = evaluate_residual(chain, q, residual)
-    if rows is not None:
+    if rows > 0:
         deviation = max(abs(residual.error[0]), abs(residual.error[1]), abs(residual.error[2]))
     if deviation > PATH_TOLERANCE:
         return deviation
-    if rows is None:
+    if rows == 0:
         step = apply_pseudo_inverse(residual.J, residual.error)
     elif rows == 3:
         return deviation

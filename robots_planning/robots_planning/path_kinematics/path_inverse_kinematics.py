@@ -66,7 +66,7 @@ class PathInverseKinematics:
         """Lowest and highest joint positions, (2, n)."""
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
-        self._rows = None if self.hold == POSE else condition_rows(self.hold, n)
+        self._rows = 0 if self.hold == POSE else condition_rows(self.hold, n)
         self._unguided = FreeAxes(0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
         self._samples = (
             np.empty(MAX_SAMPLES + 1),
