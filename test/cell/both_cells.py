@@ -45,8 +45,9 @@ def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path, **options: An
     }
     run = simulate(lockstep.program, drive=drive, rate=lockstep.rate, bag=bag, **options)
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text
-    logs = ''.join(file.read_text() for file in lockstep.bag.parent.glob('log/*.log'))
-    assert 'Traceback' not in logs, logs
+    logs = [file.read_text() for file in lockstep.bag.parent.glob('log/*.log')]
+    assert logs
+    assert not any('Traceback' in log for log in logs), logs
     runs = Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))
     check_references_and_feedback_to_the_last_bit(runs)
     check_results_states_and_lines(runs)
