@@ -107,7 +107,7 @@ def with_ompl(
     prepare: float = 0.0,
 ) -> Outcome:
     n = robot.num_axes
-    certificate, margins = detection.certificate(problem.start, margin=MARGIN)
+    certificate = detection.certificate(problem.start, margin=MARGIN)
 
     def posture(state: Any) -> np.ndarray:
         return np.array([state[k] for k in range(n)])
@@ -122,13 +122,11 @@ def with_ompl(
     space.setBounds(bounds)
     space.setLongestValidSegmentFraction(step_of(robot) / space.getMaximumExtent())
     setup = og.SimpleSetup(space)
-    setup.setStateValidityChecker(lambda state: certificate.posture(posture(state), margins) == FREE)
+    setup.setStateValidityChecker(lambda state: certificate.posture(posture(state)) == FREE)
     information = setup.getSpaceInformation()
     if certified:
         information.setMotionValidator(
-            CertifiedMotions(
-                information, lambda a, b: certificate.line(posture(a), posture(b), margins) == FREE
-            )
+            CertifiedMotions(information, lambda a, b: certificate.line(posture(a), posture(b)) == FREE)
         )
     states = [space.allocState() for _ in range(2)]
     for state, q in zip(states, ends, strict=True):
@@ -153,7 +151,7 @@ def with_ompl(
     setup.simplifySolution()
     seconds = time.process_time() - begin
     postures = np.array([posture(state) for state in setup.getSolutionPath().getStates()])
-    return smoothed(robot, seconds, FreePath(postures, certificate, margins))
+    return smoothed(robot, seconds, FreePath(postures, certificate))
 
 
 def smoothed(robot: BaseRobotModel, seconds: float, way: FreePath) -> Outcome:
@@ -171,7 +169,7 @@ def with_roboplan(robot: BaseRobotModel, detection: CollisionDetection, problem:
     seconds = time.process_time() - begin
     if postures is None:
         return Outcome(seconds)
-    return smoothed(robot, seconds, FreePath(postures, *detection.certificate(problem.start, margin=MARGIN)))
+    return smoothed(robot, seconds, FreePath(postures, detection.certificate(problem.start, margin=MARGIN)))
 
 
 def step_of(robot: BaseRobotModel) -> float:

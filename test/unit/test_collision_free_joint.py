@@ -231,8 +231,8 @@ def test_certificates_agree_with_the_check_of_paths():
         end = start + 0.4 * (end - start)  # noqa: PLW2901
         if collision.in_contact(start):
             continue
-        certificate, margins = collision.certificate(start, margin=MARGIN)
-        free = certificate.line(start, end, margins) == FREE
+        certificate = collision.certificate(start, margin=MARGIN)
+        free = certificate.line(start, end) == FREE
         # What is certified keeps RESOLUTION more than the check asks for.
         assert not free or collision.first_approach(JointPath.straight(start, end), margin=MARGIN) is None
         if not free:

@@ -148,7 +148,7 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
         return len(asked) > 1
 
     search = FreePathSearch(divided_room(), margin=MARGIN, budget=10.0)
-    certificate, _ = divided_room().certificate(SIDES[0], margin=MARGIN)
+    certificate = divided_room().certificate(SIDES[0], margin=MARGIN)
     with pytest.raises(SearchCancelledError):
         search.path(SIDES[0], SIDES[1:], cancelled)
     deepest_edge = 4000  # postures of one edge that grazes something
@@ -157,7 +157,7 @@ def test_a_search_is_given_up_within_a_few_hundred_postures():
 
 def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyPatch):
     """So that neither the budget nor a cancellation takes longer there."""
-    certificate, margins = divided_room().certificate(SIDES[0], margin=MARGIN)
+    certificate = divided_room().certificate(SIDES[0], margin=MARGIN)
 
     def looked_at(pairs: int) -> tuple[int, int]:
         monkeypatch.setattr(free_path_search, 'PAIRS', pairs)
@@ -167,8 +167,8 @@ def test_postures_among_many_bodies_count_as_several(monkeypatch: pytest.MonkeyP
             search.path(SIDES[0], SIDES[1:], lambda: bool(asked.append(None)))
         return int(certificate.work[0]), len(asked)
 
-    few, asked = looked_at(margins.size)
-    many, asked_many = looked_at(margins.size // 4)
+    few, asked = looked_at(certificate.margins.size)
+    many, asked_many = looked_at(certificate.margins.size // 4)
     assert many < 0.5 * few
     assert asked == pytest.approx(asked_many, abs=2)
 

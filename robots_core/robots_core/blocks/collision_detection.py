@@ -104,7 +104,7 @@ class CollisionDetection:
 
         pairs = [(i, j) for i in range(len(solids)) for j in range(i + 1, len(solids)) if checked(i, j)]
         self._set = self._without_held_apart(solids, pairs, {item.name for item in scene.attached})
-        self._certificate: PathCertificate | None = None
+        self._work: Indices = np.zeros(1, dtype=np.int64)
         self._engine = self._engine_type(solids)
         self._surfaces = np.array([not solid.convex and solid.closed for solid in solids], dtype=bool)
         self._with_surface = np.flatnonzero(
@@ -243,10 +243,10 @@ class CollisionDetection:
         time = first_approach(self._set, path, since, margins)
         return None if time is None else self._at(path, time, margins)
 
-    def certificate(self, start: ArrayLike, *, margin: float = 0.0) -> tuple[PathCertificate, Array]:
-        """Certificates for paths from a posture, and the distances that pairs keep on them, (p,) m.
+    def certificate(self, start: ArrayLike, *, margin: float = 0.0) -> PathCertificate:
+        """Certificates for paths from a posture, with the distances that pairs keep on them.
 
-        `first_approach` finds nothing on a path of pieces that are certified with these distances.
+        `first_approach` finds nothing on a path of pieces that are certified.
 
         Args:
             start: Joint positions, (n,) rad (m). Bodies that are closer there may separate.
@@ -261,9 +261,7 @@ class CollisionDetection:
         # Those that are just above the margin may stay so.
         close = at_start <= kept
         kept[close] = np.maximum(at_start[close] - ROUNDING, 0.0)
-        if self._certificate is None:
-            self._certificate = PathCertificate(self._set)
-        return self._certificate, kept
+        return PathCertificate(self._set.body, self._set.placed, kept, self._work)
 
     def proximity(self, q: ArrayLike, pair: int) -> Proximity:
         """How close a pair of the certificate is at joint positions `q`, (n,) rad (m)."""

@@ -54,7 +54,6 @@ class FreePath:
 
     postures: Array
     certificate: PathCertificate
-    margins: Array
 
 
 class FreePathSearch:
@@ -99,69 +98,64 @@ class FreePathSearch:
             NoFreePathError: none was found; names the bodies in the way and how close the search came.
             SearchCancelledError: it was given up.
         """
-        certificate, margins = self._detection.certificate(start, margin=self._margin)
+        certificate = self._detection.certificate(start, margin=self._margin)
         for target in targets:
-            if certificate.line(start, target, margins) == FREE:
-                return FreePath(np.array([start, target]), certificate, margins)
+            if certificate.line(start, target) == FREE:
+                return FreePath(np.array([start, target]), certificate)
         return self.path_around(start, targets, cancelled)
 
     def path_around(
         self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
     ) -> FreePath:
         """`path` where no line is free: arguments and errors as there."""
-        kept = self._detection.certificate(start, margin=self._margin)
+        certificate = self._detection.certificate(start, margin=self._margin)
         ends = np.vstack([start, targets])
         random: Random = np.array([self._seed], dtype=np.uint64)
 
         def found(budget: float) -> Array:
-            path = self._searched(kept, ends, random, cancelled, budget)
-            return self._shortened(kept, path, FIRST_CHANGES, random)
+            path = self._searched(certificate, ends, random, cancelled, budget)
+            return self._shortened(certificate, path, FIRST_CHANGES, random)
 
         path = found(self._budget)
         if self._time(path) > DETOUR * self._time(path[[0, -1]]):
             budget = min(self._budget, SECOND_SEARCH / POSTURES_PER_SECOND)
             with suppress(NoFreePathError):
                 path = min(path, found(budget), key=self._time)
-        return FreePath(self._shortened(kept, path, CHANGES, random), *kept)
+        return FreePath(self._shortened(certificate, path, CHANGES, random), certificate)
 
     def _time(self, path: Array) -> float:
         """About the time, s, that a path through postures (k, n) takes."""
         return float(duration(self._limits, path))
 
     def _shortened(
-        self, kept: tuple[PathCertificate, Array], path: Array, changes: tuple[int, int], random: Random
+        self, certificate: PathCertificate, path: Array, changes: tuple[int, int], random: Random
     ) -> Array:
         """The path after a number of changes that make it take less time, of so many postures at most."""
-        certificate, margins = kept
-        body, placed, work = certificate.body, certificate.placed, certificate.work
-        tries, most = changes[0], int(changes[1] / _crowd(margins))
-        return shorten(body, placed, margins, self._limits, path, tries, most, random, work)
+        tries, most = changes[0], int(changes[1] / _crowd(certificate))
+        return shorten(certificate, self._limits, path, tries, most, random)
 
     def _searched(
         self,
-        kept: tuple[PathCertificate, Array],
+        certificate: PathCertificate,
         ends: Array,
         random: Random,
         cancelled: Callable[[], bool],
         budget: float,
     ) -> Array:
         """Postures with free lines between them; `ends` are the start and the targets."""
-        certificate, margins = kept
-        certificate.work[0] = 0
+        work, crowd = certificate.work, _crowd(certificate)
+        work[0] = 0
         trees = _tree(ends[:1], CAPACITY), _tree(ends[1:], CAPACITY)
         counts: Indices = np.array([1, len(ends) - 1])
-        blocked: Indices = np.zeros(margins.size, dtype=np.int64)
+        blocked: Indices = np.zeros(certificate.margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
         box = np.array([ends.min(axis=0), ends.max(axis=0)])
-        work, crowd = certificate.work, _crowd(margins)
         most, step = int(budget * POSTURES_PER_SECOND / crowd), max(int(SLICE / crowd), 1)
         while work[0] < most:
             if cancelled():
                 raise SearchCancelledError('given up while a path around obstacles was searched for')
             a, b = grow(
-                certificate.body,
-                certificate.placed,
-                margins,
+                certificate,
                 ends,
                 box,
                 self._domain(box, int(work[0])),
@@ -171,7 +165,6 @@ class FreePathSearch:
                 blocked,
                 closest,
                 random,
-                work,
                 min(int(work[0]) + step, most),
             )
             if a >= 0:
@@ -209,9 +202,9 @@ class FreePathSearch:
         )
 
 
-def _crowd(margins: Array) -> float:
-    """How many postures of the budget one counts as that has as many pairs as there are margins, (p,)."""
-    return max(1.0, margins.size / PAIRS)
+def _crowd(certificate: PathCertificate) -> float:
+    """How many postures of the budget one with so many pairs counts as."""
+    return max(1.0, certificate.margins.size / PAIRS)
 
 
 def _tree(postures: Array, capacity: int, parents: Indices | None = None) -> Tree:

@@ -70,8 +70,7 @@ def blocked_target(
         message = f'the target collides: {closest.describe()}'
     else:
         # Bodies that are closer than the margin at the start need not be farther apart at the end.
-        certificate, margins = detection.certificate(start, margin=margin)
-        pair = certificate.posture(target, margins)
+        pair = detection.certificate(start, margin=margin).posture(target)
         if pair == FREE:
             return None
         closest = detection.proximity(target, pair)

@@ -54,7 +54,7 @@ def _cut(path: FreePath, p: Array, directions: Array, cut: float) -> float:
         x = np.array([0.0, 2.0 * cut])
         quintic_coefficients(x, ends, np.array([before, after]), np.zeros_like(ends), coefficients)
         over_unit = coefficients[0] * (2.0 * cut) ** np.arange(6)[:, None]
-        if path.certificate.piece(over_unit, path.margins) == FREE:
+        if path.certificate.piece(over_unit) == FREE:
             return cut
         cut *= NARROWER
     raise PlanningError('the path around obstacles has a corner that cannot be rounded freely')

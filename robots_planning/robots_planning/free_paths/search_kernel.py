@@ -11,9 +11,13 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.along_paths.certificate_kernel import FREE, blocking_pair, certify_line
+from robots_core.blocks.collision.along_paths.path_certificate import (
+    FREE,
+    PathCertificate,
+    blocking_pair,
+    certify_line,
+)
 from robots_core.blocks.collision.distances.nearest_points import Indices
-from robots_core.blocks.collision.distances.placed_solids import BodyArrays, PlacedArrays
 from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
@@ -81,9 +85,7 @@ def _add(tree: Tree, counts: Indices, which: int, q: Array, parent: int) -> int:
 
 @compiled()
 def grow(
-    body: BodyArrays,
-    placed: PlacedArrays,
-    margins: Array,
+    certificate: PathCertificate,
     ends: Array,
     box: Array,
     domain: Array,
@@ -93,15 +95,12 @@ def grow(
     blocked: Indices,
     closest: Array,
     random: Random,
-    work: Indices,
     until: int,
 ) -> tuple[int, int]:
     """Grow both trees until they meet, are full, or enough postures were checked.
 
     Args:
-        body: The robot and its scene.
-        placed: Scratch memory.
-        margins: Distance that each pair keeps, (p,) m.
+        certificate: Of the robot in its scene.
         ends: Start and targets, (1 + k, n).
         box: Lowest and highest joint positions of these, (2, n).
         domain: Lowest and highest posture of samples, (2, n), around the box.
@@ -111,13 +110,12 @@ def grow(
         blocked: Gets how often each pair blocked an edge, (p,).
         closest: Gets the smallest distance between the trees that was met, and the rows of both, (3,).
         random: Random numbers.
-        work: Number of postures that were checked.
-        until: Value of `work` at which to return.
+        until: Number of postures that were checked at which to return.
 
     Returns:
         Rows of both trees that a free line joins; -1, -1 if they have not met.
     """
-    n = weights.size
+    n, work = weights.size, certificate.work
     sample, new = np.empty(n), np.empty(n)
     capacity = min(trees[0][1].size, trees[1][1].size)
     while work[0] < until and counts.max() < capacity:
@@ -138,9 +136,9 @@ def grow(
         part = min(1.0, RANGE / length) if length > 0.0 else 1.0
         new[:] = tree[0][near] + part * (sample - tree[0][near])
         # Its end alone decides most often, and takes one posture.
-        pair = blocking_pair(body, placed, new, margins)
+        pair = blocking_pair(certificate, new)
         if pair == FREE:
-            pair, _ = certify_line(body, placed, tree[0][near], new, margins, work)
+            pair, _ = certify_line(certificate, tree[0][near], new)
         if pair != FREE:
             blocked[pair] += 1
             continue
@@ -155,7 +153,7 @@ def grow(
                 sample[:] = new
             else:
                 sample[:] = other[0][at] + part * (new - other[0][at])
-            pair, _ = certify_line(body, placed, other[0][at], sample, margins, work)
+            pair, _ = certify_line(certificate, other[0][at], sample)
             if pair != FREE:
                 blocked[pair] += 1
                 break
@@ -214,15 +212,7 @@ def duration(axes: Array, path: Array) -> float:
 
 @compiled()
 def shorten(
-    body: BodyArrays,
-    placed: PlacedArrays,
-    margins: Array,
-    axes: Array,
-    path: Array,
-    tries: int,
-    most: int,
-    random: Random,
-    work: Indices,
+    certificate: PathCertificate, axes: Array, path: Array, tries: int, most: int, random: Random
 ) -> Array:
     """A free path through other postures, (k, n), that takes less time.
 
@@ -230,17 +220,14 @@ def shorten(
     is free. Postures are moved by steps that adapt, as in a (1+1) evolution strategy.
 
     Args:
-        body: The robot and its scene.
-        placed: Scratch memory.
-        margins: Distance that each pair keeps, (p,) m.
+        certificate: Of the robot in its scene.
         axes: Lower and upper limits of the axes, highest speeds and accelerations, (4, n).
         path: Postures, (m, n), with free lines between them.
         tries: Number of changes that are tried.
         most: Number of postures after which no more are tried.
         random: Random numbers.
-        work: Number of postures that were checked.
     """
-    path = _without_detours(body, placed, margins, path, work)
+    path, work = _without_detours(certificate, path), certificate.work
     n, step, time, until = path.shape[1], STEP, duration(axes, path), work[0] + most
     for _ in range(tries):
         count = len(path)
@@ -258,10 +245,7 @@ def shorten(
             changed[i + 2] = path[j] + (high - j) * (path[j + 1] - path[j])
             new = duration(axes, changed)
             # The pieces that are left of both lines are parts of free ones.
-            if (
-                new < GAIN * time
-                and certify_line(body, placed, changed[i + 1], changed[i + 2], margins, work)[0] == FREE
-            ):
+            if new < GAIN * time and certify_line(certificate, changed[i + 1], changed[i + 2])[0] == FREE:
                 path, time = changed, new
             continue
         k, changed, new = 1 + int((count - 2) * uniform(random)), path.copy(), inf
@@ -277,9 +261,9 @@ def shorten(
             continue
         work[0] += 1
         if (
-            blocking_pair(body, placed, changed[k], margins) == FREE
-            and certify_line(body, placed, path[k - 1], changed[k], margins, work)[0] == FREE
-            and certify_line(body, placed, changed[k], path[k + 1], margins, work)[0] == FREE
+            blocking_pair(certificate, changed[k]) == FREE
+            and certify_line(certificate, path[k - 1], changed[k])[0] == FREE
+            and certify_line(certificate, changed[k], path[k + 1])[0] == FREE
         ):
             path, time = changed, new
             step = min(MOVED * step, LARGEST_STEP)
@@ -289,15 +273,13 @@ def shorten(
 
 
 @compiled()
-def _without_detours(
-    body: BodyArrays, placed: PlacedArrays, margins: Array, path: Array, work: Indices
-) -> Array:
+def _without_detours(certificate: PathCertificate, path: Array) -> Array:
     """The path without postures that a free line passes by, the farthest line first."""
     kept = np.zeros(len(path), dtype=np.int64)
     count, at = 1, 0
     while at < len(path) - 1:
         to = len(path) - 1
-        while to > at + 1 and certify_line(body, placed, path[at], path[to], margins, work)[0] != FREE:
+        while to > at + 1 and certify_line(certificate, path[at], path[to])[0] != FREE:
             to -= 1
         kept[count] = at = to
         count += 1
