@@ -28,15 +28,12 @@ setup(
             f'{name} = robots_planning.trajectory_generators.{module}'
             for name, module in (
                 ('linear_joint', 'linear_joint:LinearJoint'),
-                ('linear_joint_axes', 'linear_joint_axes:LinearJointAxes'),
+                ('linear_joint_axes', 'linear_joint:LinearJointAxes'),
                 ('collision_free', 'collision_free_joint:CollisionFreeJoint'),
-                ('limited', 'linear_cartesian_limited:LinearCartesianLimited'),
-                (
-                    'dynamic_programming',
-                    'linear_cartesian_dynamic_programming:LinearCartesianDynamicProgramming',
-                ),
-                ('circular', 'circular_cartesian:CircularCartesian'),
-                ('spline', 'spline_cartesian:SplineCartesian'),
+                ('limited', 'linear_cartesian:LinearCartesianLimited'),
+                ('dynamic_programming', 'linear_cartesian:LinearCartesianDynamicProgramming'),
+                ('circular', 'curves_cartesian:CircularCartesian'),
+                ('spline', 'curves_cartesian:SplineCartesian'),
             )
         ],
     },

@@ -8,15 +8,15 @@ from .pathplanning import PathPlanning as PathPlanning
 from .pathplanning import PlannedMotion as PlannedMotion
 from .robot_command_state import RobotCommandState as RobotCommandState
 from .trajectory import Trajectory as Trajectory
-from .trajectory_generators.circular_cartesian import CircularCartesian as CircularCartesian
 from .trajectory_generators.collision_free_joint import CollisionFreeJoint as CollisionFreeJoint
-from .trajectory_generators.linear_cartesian_dynamic_programming import (
+from .trajectory_generators.curves_cartesian import CircularCartesian as CircularCartesian
+from .trajectory_generators.curves_cartesian import SplineCartesian as SplineCartesian
+from .trajectory_generators.linear_cartesian import (
     LinearCartesianDynamicProgramming as LinearCartesianDynamicProgramming,
 )
-from .trajectory_generators.linear_cartesian_limited import LinearCartesianLimited as LinearCartesianLimited
+from .trajectory_generators.linear_cartesian import LinearCartesianLimited as LinearCartesianLimited
 from .trajectory_generators.linear_joint import LinearJoint as LinearJoint
-from .trajectory_generators.linear_joint_axes import LinearJointAxes as LinearJointAxes
-from .trajectory_generators.spline_cartesian import SplineCartesian as SplineCartesian
+from .trajectory_generators.linear_joint import LinearJointAxes as LinearJointAxes
 from .trajectory_generators.trajectory_generator import TrajectoryGenerator as TrajectoryGenerator
 from .verification.limit_use import LimitUse as LimitUse
 from .verification.trajectory_verification import VerificationReport as VerificationReport

@@ -23,13 +23,12 @@ from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseK
 from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.timing.tool_limits import tool_derivatives, travel
 from robots_planning.trajectory_generators.collision_free_joint import CollisionFreeJoint
-from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
+from robots_planning.trajectory_generators.curves_cartesian import SplineCartesian
+from robots_planning.trajectory_generators.linear_cartesian import (
     LinearCartesianDynamicProgramming,
+    LinearCartesianLimited,
 )
-from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
-from robots_planning.trajectory_generators.linear_joint import LinearJoint
-from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
-from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
+from robots_planning.trajectory_generators.linear_joint import LinearJoint, LinearJointAxes
 
 
 def _start() -> Array:

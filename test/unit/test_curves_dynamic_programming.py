@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_planning import CircularCartesian, SplineCartesian, verify
-from robots_planning.trajectory_generators.poses_generator import PosesGenerator
+from robots_planning.trajectory_generators.curves_cartesian import PosesGenerator
 
 CURVES = (CircularCartesian, SplineCartesian)
 

@@ -1,4 +1,4 @@
-"""LinearJoint: point-to-point on a straight line in joint space."""
+"""LinearJoint and LinearJointAxes: point-to-point, all axes together or every axis as fast as it can."""
 
 from functools import cached_property
 
@@ -45,3 +45,13 @@ class LinearJoint(JointSpaceGenerator):
     @cached_property
     def _line(self) -> StateToRestProfile:
         return StateToRestProfile(np.array([[-np.inf], [np.inf]]), self.synchronization, self.shortest)
+
+
+class LinearJointAxes(JointSpaceGenerator):
+    """Every axis runs its own time-optimal jerk-limited profile; axes that move less arrive sooner.
+
+    From rest or from motion, each axis comes to rest at its target as soon as its limits allow (Ruckig;
+    Berscheid and Kroeger 2021).
+    """
+
+    synchronization = Synchronization.No
