@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots_planning.paths.block_tridiagonal import BlockTridiagonal
+from robots_planning.paths.spline_pieces import BlockTridiagonal
 
 
 @pytest.mark.parametrize(('count', 'size', 'sides'), [(1, 3, ()), (2, 3, ()), (7, 3, (2,)), (9, 1, (3,))])

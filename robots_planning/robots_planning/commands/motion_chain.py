@@ -17,9 +17,8 @@ from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, t
 from robots_planning.paths.blending import Measure, blend, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
-from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.time_optimal import TimeOptimalTiming
-from robots_planning.timing.timed_path import TimedPath
+from robots_planning.timing.timed_path import PathStart, Smoothing, TimedPath
 from robots_planning.timing.tool_limits import PathLimits, chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN

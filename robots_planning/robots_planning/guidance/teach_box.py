@@ -1,7 +1,7 @@
 """TeachBox: slow jogging of the axes or of the tool, as with the hand-held box of a robot."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal, get_args
 
@@ -15,9 +15,11 @@ from robots_core.blocks.inverse_kinematics.hold import POSE, POSITION, held_by, 
 from robots_core.blocks.inverse_kinematics.viability import velocity_interval
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
+from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_core.validation import Array, bounded_vector, finite_vector, one_of, positive, read_only
-from robots_planning.guidance.slowed_robot import SlowedRobot
+from robots_planning.trajectory_generators.trajectory_generator import usable_fraction
 
 JogAxes = Literal['base', 'base_link', 'tool', 'world']
 JOG_AXES: tuple[JogAxes, ...] = get_args(JogAxes)
@@ -83,6 +85,36 @@ class TeachStep:
     def standing(self) -> bool:
         """No axis moves."""
         return not self.q_dot.any()
+
+
+class SlowedRobot(WrappedRobot):
+    """The same robot with parts of its velocity and acceleration limits, for blocks that use all they have.
+
+    Args:
+        robot: The robot.
+        speed_fraction: Part of the velocity limits, in (0, 1].
+        acceleration_fraction: Part of the acceleration and jerk limits, in (0, 1].
+
+    Raises:
+        InvalidInputError: a fraction outside (0, 1].
+    """
+
+    def __init__(self, robot: BaseRobotModel, *, speed_fraction: float, acceleration_fraction: float) -> None:
+        super().__init__(robot)
+        speed = usable_fraction(speed_fraction, 'speed_fraction')
+        acceleration = usable_fraction(acceleration_fraction, 'acceleration_fraction')
+        axes = robot.axes_data
+        self._axes_data = replace(
+            axes,
+            velocity=speed * axes.velocity,
+            acceleration=acceleration * axes.acceleration,
+            jerk=acceleration * axes.jerk,
+        )
+
+    @property
+    def axes_data(self) -> AxesData:
+        """The lowered limits."""
+        return self._axes_data
 
 
 class TeachBox:

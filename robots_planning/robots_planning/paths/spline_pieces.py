@@ -5,7 +5,6 @@ import numpy as np
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_vector_jacobians
 from robots_core.validation import Array
-from robots_planning.paths.block_tridiagonal import BlockTridiagonal
 from robots_planning.paths.cartesian_path import CartesianPath, empty_pieces
 
 # Change of the angular velocities in an iteration, relative; some ten iterations lead there.
@@ -116,3 +115,31 @@ def _second_derivative(p: Array, p_s: Array) -> Array:
     pieces = empty_pieces(len(p))
     pieces[4][:, 0], pieces[4][:, 1] = p, p_s
     return CartesianPath(pieces).sample(pieces[0][:-1]).x_ss[:, 3:]
+
+
+class BlockTridiagonal:
+    """lower[k - 1] x[k - 1] + diagonal[k] x[k] + upper[k] x[k + 1] = right[k], factorised once.
+
+    Elimination from the first block to the last, without pivoting (Golub and Van Loan 2013, section 4.5.1).
+
+    Args:
+        lower: (m - 1, n, n).
+        diagonal: (m, n, n).
+        upper: (m - 1, n, n).
+    """
+
+    def __init__(self, lower: Array, diagonal: Array, upper: Array) -> None:
+        self._lower, self._upper = lower, upper
+        self._inverses = [np.linalg.inv(diagonal[0])]
+        for before, here, behind in zip(lower, diagonal[1:], upper, strict=True):
+            self._inverses.append(np.linalg.inv(here - before @ self._inverses[-1] @ behind))
+
+    def solve(self, right: Array) -> Array:
+        """The unknowns of one right-hand side, (m, n), or of several, (m, n, k), in its shape."""
+        x = right.copy()
+        for k, lower in enumerate(self._lower):
+            x[k + 1] -= lower @ (self._inverses[k] @ x[k])
+        x[-1] = self._inverses[-1] @ x[-1]
+        for k in range(len(x) - 2, -1, -1):
+            x[k] = self._inverses[k] @ (x[k] - self._upper[k] @ x[k + 1])
+        return x

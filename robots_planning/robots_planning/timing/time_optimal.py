@@ -15,11 +15,10 @@ from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import finer_grid, with_places
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
-from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
-from robots_planning.timing.timed_path import TimedPath, slower, with_times
+from robots_planning.timing.timed_path import PathStart, Smoothing, TimedPath, slower, with_times
 from robots_planning.timing.tool_limits import LimitedRates, PathLimits
 from robots_planning.timing.torque_limits import TorqueLimits
 from robots_planning.trajectory import Trajectory
