@@ -17,8 +17,9 @@ from typing import TextIO, cast
 
 from rich.console import Console
 
+from cell_options import parse_options
 from node_pids import node_pids
-from robots_controller.live_cell.cell_command import parse_options, run_cell
+from robots_controller.live_cell.cell_command import run_cell
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.live_cell.processes import fork_server
 

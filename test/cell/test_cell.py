@@ -19,7 +19,8 @@ from rich.console import Console
 from std_msgs.msg import UInt8, UInt8MultiArray
 from std_srvs.srv import Trigger
 
-from robots_controller.live_cell.cell_command import parse_options, run_cell
+from cell_options import parse_options
+from robots_controller.live_cell.cell_command import run_cell
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE
 from robots_core.errors import RobotsError

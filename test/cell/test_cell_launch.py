@@ -15,8 +15,9 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from robots_controller.live_cell.cell_command import parse_options, run_cell
-from robots_controller.live_cell.cell_graph import NodeDescription, cell_graph
+from cell_options import nodes_of_cell, parse_options
+from robots_controller.live_cell.cell_command import run_cell
+from robots_controller.live_cell.cell_graph import NodeDescription
 
 ROOT = Path(__file__).parents[2]
 LAUNCH_FILE = ROOT / 'robots_controller' / 'launch' / 'cell.launch.py'
@@ -108,7 +109,7 @@ def without_launch(node: NodeDescription) -> dict[str, Any]:
 @pytest.mark.parametrize('arguments', [{'robot': 'cello_bot'}, {'program': PROGRAM, 'io': PRESS}])
 def test_its_nodes_are_those_of_the_cell(launch_file: dict[str, Any], arguments: dict[str, str]) -> None:
     robot = {'robot': 'bello_bot'}  # which the program names at its top
-    expected = cell_graph(**robot | arguments, autostart='program' in arguments)  # type: ignore[arg-type]
+    expected = nodes_of_cell(**robot | arguments, describe=True)
     nodes = launched(launch_file, **arguments)
     launches = {node.parameters[0].pop('launch', None) for node in nodes} - {None}
     assert len(launches) == 1
@@ -128,7 +129,7 @@ def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
         'composed_nodes',
     }
     (shared,) = (process for process in processes if process.executable == 'composed_nodes')
-    nodes = {node.name: node for node in cell_graph(robot='cello_bot', composed=True)}
+    nodes = {node.name: node for node in nodes_of_cell(robot='cello_bot', composed=True)}
     assert shared.package == 'robots_controller'
     assert set(shared.arguments) == nodes.keys() - {'drive_node', 'controller_node'}
     assert not hasattr(shared, 'name')  # it would be that of each node
@@ -154,7 +155,7 @@ def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> Non
 def test_a_cell_may_have_no_view(launch_file: dict[str, Any]) -> None:
     nodes = launched(launch_file, robot='cello_bot', headless='true')
     assert {node.executable for node in nodes} == {
-        node.name for node in cell_graph(robot='cello_bot') if node.name != 'visualizer_node'
+        node.name for node in nodes_of_cell(robot='cello_bot') if node.name != 'visualizer_node'
     }
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.live_cell import cell_command
-from robots_controller.live_cell.cell_command import parse_options
-from robots_controller.live_cell.cell_graph import cell_graph
+from cell_options import nodes_of_cell, parse_options
+from robots_controller.live_cell import cell_command, cell_run
 from robots_core.errors import RobotsError
 from short_programs import PROGRAMS
 
@@ -50,17 +49,17 @@ def test_a_program_on_another_robot_is_noted() -> None:
 def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert parse_options(['--view']).pendant
     assert not parse_options([]).pendant
-    assert cell_command.without_page(parse_options(['--view'])) == ''
+    assert cell_run.without_page(parse_options(['--view'])) == ''
     with pytest.raises(RobotsError, match='--view and --headless exclude each other'):
         parse_options(['--view', '--headless'])
     lockstep = parse_options(['--view', '--lockstep'])
     assert not lockstep.pendant
-    assert 'in lock-step nobody operates' in cell_command.without_page(lockstep)
+    assert 'in lock-step nobody operates' in cell_run.without_page(lockstep)
     monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
     options = parse_options(['--view'])
     assert not options.pendant
-    assert 'NiceGUI is not installed; pip install' in cell_command.without_page(options)
-    assert cell_command.without_page(parse_options([])) == ''
+    assert 'NiceGUI is not installed; pip install' in cell_run.without_page(options)
+    assert cell_run.without_page(parse_options([])) == ''
 
 
 def test_a_map_takes_the_place_of_the_scripted_plc_whose_inputs_it_sets(tmp_path: Path) -> None:
@@ -120,8 +119,8 @@ def test_the_operators_page_is_served_to_others_with_a_password_alone(tmp_path: 
     with pytest.raises(RobotsError, match='--host and --password-file need --view'):
         parse_options(['--host', '0.0.0.0'])  # noqa: S104
     options = parse_options(['--view', '--host', '0.0.0.0', '--password-file', str(password_file)])  # noqa: S104
-    graph = cell_graph(robot='ur5e', pendant=True, host=options.host, password_file=options.password_file)
+    graph = nodes_of_cell(robot='ur5e', pendant=True, host=options.host, password_file=options.password_file)
     parameters = next(node.parameters for node in graph if node.name == 'pendant_node')
     assert (parameters['host'], parameters['password_file']) == ('0.0.0.0', str(password_file))  # noqa: S104
     with pytest.raises(RobotsError, match='this needs a password'):
-        cell_graph(robot='ur5e', pendant=True, host=options.host)
+        nodes_of_cell(robot='ur5e', pendant=True, host=options.host)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
-from robots_controller.live_cell.cell_graph import cell_graph
+from cell_options import nodes_of_cell
 from robots_controller.report.run_report import run_report
 from robots_core import Pose, load_robot_model
 from short_programs import PROGRAMS
@@ -77,7 +77,7 @@ def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
     table = page[page.index('## Topics') : page.index('## Services')]
     rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
     listed = {name for row in rows for name in re.findall(r'`([^`]+)`', row[0])}
-    running = {node.name for node in cell_graph(robot=ROBOT)}
+    running = {node.name for node in nodes_of_cell(robot=ROBOT)}
     from_nodes = {
         name
         for row in rows

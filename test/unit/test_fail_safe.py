@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from cell_options import nodes_of_cell
 from robots_controller.control.stops.faults import Fault
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
 from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map
 from robots_controller.io.plc_script import parse_plc_script
-from robots_controller.live_cell.cell_graph import cell_graph
 from robots_controller.simulation.record.events import OutputChanged, ProgramStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model
@@ -95,7 +95,7 @@ def test_an_output_has_one_fail_safe_value(tmp_path: Path):
     io_map.write_text(rows)
     script.write_text('fail_safe: {digital_output.2: hold}\n')
     assert read_cell_io(script, io_map).fail_safe == {'digital_output.1': None, 'digital_output.2': None}
-    nodes = {node.name: node for node in cell_graph(robot='bello_bot', io=str(script), io_map=str(io_map))}
+    nodes = {node.name: node for node in nodes_of_cell(robot='bello_bot', io=str(script), io_map=str(io_map))}
     for name in ('lua_program_node', 'io_bridge_node'):
         assert nodes[name].parameters['fail_safe'] == ['digital_output.2=hold', 'digital_output.1=hold']
     script.write_text('fail_safe: {digital_output.1: on}\n')

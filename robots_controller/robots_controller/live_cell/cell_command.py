@@ -4,18 +4,13 @@ import argparse
 import json
 import os
 import signal
-from collections.abc import Sequence
 from importlib.util import find_spec
-from inspect import signature
 from pathlib import Path
-from typing import Final
-from uuid import uuid4
 
 from rich.console import Console
 
 from robots_controller.commands.cell_arguments import FILES
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
-from robots_controller.commands.command_table import CELL
 from robots_controller.editor.debug_adapter_server import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
@@ -25,9 +20,6 @@ from robots_core.errors import InstallationError, OptionError
 from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.running.middleware import choose_transports
-
-GRAPH_OPTIONS: Final = signature(cell_graph).parameters.keys() - {'autostart', 'launch', 'debug_token'}
-"""Options of the command that the graph follows from."""
 
 
 def start(options: argparse.Namespace, console: Console) -> int:
@@ -40,20 +32,11 @@ def start(options: argparse.Namespace, console: Console) -> int:
     return run_cell(complete_options(options), console)
 
 
-def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Options from a command line, and from its program.
-
-    Raises:
-        RobotsError: an option that is not valid, or a program that does not exist.
-    """
-    return complete_options(CELL.parse(arguments))
-
-
 def complete_options(options: argparse.Namespace) -> argparse.Namespace:
-    """Take from the program what the command line does not say.
+    """Take from the program what the command line does not say, and add what follows from the options.
 
     Raises:
-        RobotsError: a program that does not exist.
+        RobotsError: options that exclude each other, or a program that does not exist.
     """
     if options.once and not options.program:
         raise OptionError('--once needs a --program to run')
@@ -63,6 +46,8 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.guided = options.guided or (METHODS[0] if others else '')
     # Nobody operates a cell whose time does not wait.
     options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
+    # The launch file starts the described nodes in other processes, whose log shows a token of their own.
+    options.debug_token = new_token() if options.debug_port and not options.describe else ''
     if options.view and options.headless:
         raise OptionError('--view and --headless exclude each other')
     if (options.host or options.password_file) and not options.view:
@@ -77,15 +62,6 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
     return options
-
-
-def without_page(options: argparse.Namespace) -> str:
-    """Why --view starts no operator's page, and what to do; '' where it starts one."""
-    if not options.view or options.pendant:
-        return ''
-    if options.lockstep:
-        return "no operator's page: in lock-step nobody operates; leave out --lockstep"
-    return "no operator's page: NiceGUI is not installed; pip install -r requirements-pendant.txt"
 
 
 def run_cell(options: argparse.Namespace, console: Console) -> int:
@@ -107,18 +83,11 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
         if options.check:
             sizes = sizes_of(robot.num_axes, options.io, options.io_map, options.frames)
             check_first(options.program, sizes)
-    # The launch file starts the described nodes in other processes, whose log shows a token of their own.
-    token = new_token() if options.debug_port and not options.describe else ''
-    graph = cell_graph(
-        autostart=options.describe and bool(options.program),  # there is no cell that would start it
-        launch=uuid4().hex if options.describe else '',
-        debug_token=token,
-        **{name: getattr(options, name) for name in GRAPH_OPTIONS},
-    )
+    graph = cell_graph(options)
     if options.describe:
         print(json.dumps([node.as_dict() for node in graph], indent=2))
         return ExitCode.OK
     # Loads the middleware, which a description does not need.
     from robots_controller.live_cell.cell_run import run_cell_alone  # noqa: PLC0415
 
-    return run_cell_alone(options, console, graph, robot, token=token, missing=without_page(options))
+    return run_cell_alone(options, console, graph, robot)

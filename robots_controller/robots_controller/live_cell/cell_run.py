@@ -26,23 +26,8 @@ def run_cell_alone(
     console: Console,
     graph: Sequence[NodeDescription],
     robot: BaseRobotModel,
-    *,
-    token: str,
-    missing: str,
 ) -> int:
-    """Run a cell, unless there is another one in its namespace.
-
-    Args:
-        options: Of the command.
-        console: Where what happens is shown.
-        graph: The nodes.
-        robot: Their robot.
-        token: For editors; '' for none.
-        missing: Why there is no operator's page; '' where there is one or none is wanted.
-
-    Returns:
-        Exit code, see `run_cell`.
-    """
+    """Run a cell, unless there is another one in its namespace; returns an exit code, see `run_cell`."""
     place = f'cell {os.environ.get("ROS_DOMAIN_ID") or "0"} {options.namespace}'
     with ExitStack() as stack:
         try:
@@ -50,21 +35,31 @@ def run_cell_alone(
         except RobotsError as error:
             console.print(occupied('cell', options.namespace, f' ({error})'))
             return ExitCode.FAILED
-        _show_start(options, console, token, missing)
+        _show_start(options, console)
         return _run(options, console, graph, robot)
 
 
-def _show_start(options: argparse.Namespace, console: Console, token: str, missing: str) -> None:
+def _show_start(options: argparse.Namespace, console: Console) -> None:
     job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
-    if missing:
+    if missing := without_page(options):
         console.print(f'[yellow]{missing}[/]', soft_wrap=True)
-    if token:
+    if options.debug_token:
         console.print(
-            f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
+            f'editors debug at port {options.debug_port} with token [bold]{options.debug_token}[/]',
+            highlight=False,
         )
+
+
+def without_page(options: argparse.Namespace) -> str:
+    """Why --view starts no operator's page, and what to do; '' where it starts one."""
+    if not options.view or options.pendant:
+        return ''
+    if options.lockstep:
+        return "no operator's page: in lock-step nobody operates; leave out --lockstep"
+    return "no operator's page: NiceGUI is not installed; pip install -r requirements-pendant.txt"
 
 
 def _run(

@@ -8,10 +8,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Self
-from uuid import uuid4
 
+from cell_options import nodes_of_cell
 from node_pids import node_pids
-from robots_controller.live_cell.cell_graph import NodeDescription, cell_graph
+from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.live_cell.processes.node_processes import node_arguments
 from robots_controller.live_cell.processes.restart_policy import MOST_DEATHS, STEADY
 from robots_controller.program.files.program_header import read_program_header
@@ -47,7 +47,7 @@ class Surroundings(ABC):
         header = read_program_header(program)
         files = {'scene': header.scene, 'io': header.io, 'program': str(program), 'io_map': str(io_map)}
         self.robot = header.robot
-        self.graph = cell_graph(robot=header.robot, autostart=True, launch=uuid4().hex, port=0, **files)
+        self.graph = nodes_of_cell(robot=header.robot, describe=True, port=0, **files)
         self._environment = {**os.environ, **environment}
         self._log = log
         self._log.mkdir(parents=True, exist_ok=True)
