@@ -189,10 +189,10 @@ def test_what_hangs_at_its_end_is_ended(ros_domain: int, what: str) -> None:
             'sys.exit(run.run(make_node))',
         ),
         'listener of a cell': (
-            'import rclpy',
-            'from robots_controller.live_cell.cell_listener import SpunNodes',
-            'rclpy.init()',
-            'SpunNodes([Hanging("hanging")], "spinning").end()',
+            'from robots_controller.live_cell import cell_listener',
+            'cell_listener.CellMonitor = lambda **_: Hanging("hanging")',
+            'with cell_listener.listen("/", None):',
+            '    pass',
         ),
     }
     process = subprocess.run(

@@ -1,16 +1,13 @@
 """Connection: a node of a client's own, and the services of a cell that it calls."""
 
-import contextlib
 import os
-import threading
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
 
 from robots_controller.client.cell_services import CellServices
-from robots_core.ros.running.lean_executor import LeanExecutor
 from robots_core.ros.running.middleware import choose_transports
+from robots_core.ros.running.spun_nodes import SpunNodes
 from robots_core.ros.timed_node import TimedNode
 
 
@@ -34,22 +31,9 @@ class Connection(CellServices):
             start_parameter_services=False,
         )
         super().__init__(node, patience)
-        self._executor = LeanExecutor(context=self._context)
-        self._executor.add_node(self.node)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._spin, name='cell client', daemon=True)
-        self._thread.start()
+        self._spinning = SpunNodes((node,), 'cell client')
 
     def close(self) -> None:
         """End the thread and the node."""
-        self._ended.set()
-        self._executor.wake()
-        self._thread.join()
-        self.node.destroy_node()
-        self._executor.shutdown()
+        self._spinning.end()
         self._context.try_shutdown()
-
-    def _spin(self) -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            while not self._ended.is_set():
-                self._executor.spin_once()

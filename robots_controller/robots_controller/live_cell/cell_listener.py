@@ -1,27 +1,24 @@
-"""CellListener: the nodes of the process `cell` itself, spun by a thread."""
+"""CellListener: the nodes of the process `cell` itself."""
 
 import contextlib
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from std_srvs.srv import Trigger
 
-from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
+from robots_controller.live_cell.cell_monitor import CellMonitor, TriggerClients
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import PATIENCE, Coordinator
 from robots_core.ros.running.bounded_end import bounded_end
-from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.spun_nodes import SpunNodes
 from robots_core.ros.timed_node import TimedNode
 
 # The thread that advances time waits so long at most for those that listen and record.
@@ -29,63 +26,6 @@ SWITCH_INTERVAL = 1e-4  # s
 POLL = 0.01  # s
 # Nodes that only show what happens, and never hold up a lock-step run.
 OBSERVERS = ('robot_state_node', 'visualizer_node')
-
-
-class CellOperator(TimedNode):
-    """Calls the program's services in a lock-step run, in which time waits for the answers.
-
-    Args:
-        namespace: The cell's.
-    """
-
-    def __init__(self, *, namespace: str) -> None:
-        super().__init__(
-            'cell_operator', namespace=namespace, parameter_overrides=[Parameter('lockstep', value=True)]
-        )
-        self._program_services = {name: self.create_client(Trigger, name) for name in SERVICES}
-
-    def call(self, service: str) -> Future:
-        """Call one of `SERVICES`."""
-        future: Future = self._program_services[service].call_async(Trigger.Request())
-        return future
-
-
-class SpunNodes:
-    """Nodes spun by a thread of their own.
-
-    Args:
-        nodes: The nodes.
-        name: Of the thread.
-    """
-
-    def __init__(self, nodes: Sequence[Node], name: str) -> None:
-        self._nodes = nodes
-        self._executor = LeanExecutor()
-        self._ended = threading.Event()
-        for node in nodes:
-            self._executor.add_node(node)
-        self._thread = threading.Thread(target=self._spin, name=name, daemon=True)
-        self._thread.start()
-
-    def _spin(self) -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            while not self._ended.is_set():
-                self._executor.spin_once()
-
-    def call(self, function: Callable[[], None]) -> None:
-        """Call a function in the thread."""
-        self._executor.create_task(function)
-
-    def end(self, before: Callable[[], None] = lambda: None) -> None:
-        """End the thread, call a function, and destroy the nodes."""
-        self._ended.set()
-        self._executor.wake()
-        self._thread.join()
-        before()
-        with bounded_end():  # all nodes of the cell leave at this time
-            for node in self._nodes:
-                node.destroy_node()
-            self._executor.shutdown()
 
 
 @dataclass
@@ -104,7 +44,7 @@ class CellListener:
     held: bool = False
     problem: str = ''
     _coordinator: Coordinator | None = None
-    _operator: CellOperator | None = None
+    _triggers: TriggerClients | None = None
     _spinning: SpunNodes | None = None
 
     def coordinate(self, nodes: Iterable[str]) -> None:
@@ -113,22 +53,27 @@ class CellListener:
         node = Node('lockstep_coordinator', namespace=self.monitor.get_namespace())
         prefix = self.monitor.get_namespace().rstrip('/')
         expected = [f'{prefix}/{name}' for name in nodes if name not in OBSERVERS]
-        self._operator = CellOperator(namespace=self.monitor.get_namespace())
-        operator = self._operator.get_fully_qualified_name()
+        # Time waits for the answers to a participant.
+        lockstep = Parameter('lockstep', value=True)
+        operator = TimedNode(
+            'cell_operator', namespace=self.monitor.get_namespace(), parameter_overrides=[lockstep]
+        )
+        self._triggers = TriggerClients(operator)
+        name = operator.get_fully_qualified_name()
         self._coordinator = Coordinator(
             node,
-            [*expected, operator],
+            [*expected, name],
             on_error=self._fail,
             on_held=self._hold,
             held=True,
             recorder=self.recorder,
-            callers=(operator,),
+            callers=(name,),
         )
-        self._spinning = SpunNodes((node, self._operator), 'lock-step')
+        self._spinning = SpunNodes((node, operator), 'lock-step')
 
     def call(self, service: str) -> Future:
         """Call one of `SERVICES` below the namespace; the future holds its response."""
-        return self.monitor.call(service) if self._operator is None else self._operator.call(service)
+        return (self._triggers or self.monitor.triggers).call(service)
 
     def release(self) -> None:
         """Let the time of a lock-step run pass."""
@@ -158,7 +103,8 @@ class CellListener:
     def close(self) -> None:
         """End a lock-step run."""
         if self._spinning is not None:
-            self._spinning.end()
+            with bounded_end():
+                self._spinning.end()
 
     def _hold(self) -> None:
         self.held = True
@@ -185,5 +131,9 @@ def listen(namespace: str, bag: Path | None, *, lockstep: bool = False) -> Itera
         yield listener
     finally:
         listener.close()
-        spinning.end(before=lambda: None if recorder is None else recorder.close())
+        spinning.stop()
+        if recorder is not None:
+            recorder.close()
+        with bounded_end():  # all nodes of the cell leave at this time
+            spinning.end()
         rclpy.shutdown()

@@ -49,6 +49,25 @@ SERVICE_WAIT = 5.0  # s
 SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/cancel')
 
 
+class TriggerClients:
+    """Calls `SERVICES` of a cell.
+
+    Args:
+        node: In the cell's namespace. Its clients are made at once: the answer to one that has only just come
+            may not find it.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._clients = {name: node.create_client(Trigger, name) for name in SERVICES}
+
+    def call(self, service: str) -> Future:
+        """Call one of `SERVICES` below the namespace; the future holds its response."""
+        client = self._clients[service]
+        client.wait_for_service(timeout_sec=SERVICE_WAIT)
+        future: Future = client.call_async(Trigger.Request())
+        return future
+
+
 class CellMonitor(Node):
     """Listens to a cell and calls its program services.
 
@@ -60,8 +79,7 @@ class CellMonitor(Node):
     def __init__(self, *, namespace: str, **options: Any) -> None:
         super().__init__('cell_monitor', namespace=namespace, **options)
         self._outputs: dict[Kind, UInt8MultiArray | Float64MultiArray] = {}
-        # From the beginning: the answer to a client that has only just come may not find it.
-        self._trigger_clients: Final = {name: self.create_client(Trigger, name) for name in SERVICES}
+        self.triggers: Final = TriggerClients(self)
         self._lock = threading.Lock()
         self._events: list[tuple[float, int, Event]] = []
         self._count = itertools.count()
@@ -99,13 +117,6 @@ class CellMonitor(Node):
             while self._events and self._events[0][0] <= ready:
                 taken.append(heapq.heappop(self._events)[2])
         return taken
-
-    def call(self, service: str) -> Future:
-        """Call one of `SERVICES` below the namespace; the future holds its response."""
-        client = self._trigger_clients[service]
-        client.wait_for_service(timeout_sec=SERVICE_WAIT)
-        future: Future = client.call_async(Trigger.Request())
-        return future
 
     def _listen(self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]]) -> None:
         def on_message(message: Any, info: dict[str, int]) -> None:

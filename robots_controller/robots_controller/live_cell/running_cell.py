@@ -125,7 +125,7 @@ class RunningCell:
         """Stop a running motion on its path, before the nodes end."""
         if not self._motion.runs or not self._processes.runs('controller_node'):
             return
-        self._monitor.call('controller_node/cancel')
+        self._monitor.triggers.call('controller_node/cancel')
         deadline = time.monotonic() + REST_TIMEOUT
         while self._motion.runs and time.monotonic() < deadline:
             self._show_events()
