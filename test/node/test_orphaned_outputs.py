@@ -6,7 +6,7 @@ from typing import Any
 
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from robots_controller.live_cell.processes.orphaned_outputs import OrphanedOutputs
+from robots_controller.live_cell.processes.node_restarts import OrphanedOutputs
 
 from .bench import EVERY_STATE, Bench
 

@@ -18,7 +18,7 @@ from robots_controller.commands.error_catalogue import describe_error, error_cat
 from robots_controller.commands.robots import COMMANDS
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
-from robots_controller.live_cell import reference_tables
+from robots_controller.live_cell import describe_nodes
 from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
 from robots_core.cell_interface.topic_qos import PROFILES, TOPIC_QOS, topic_qos
@@ -134,17 +134,17 @@ def test_the_lua_functions_are_those_of_the_interpreter() -> None:
     assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
 
 
-@pytest.mark.parametrize('name', reference_tables.PAGES)
+@pytest.mark.parametrize('name', describe_nodes.PAGES)
 def test_rows_of_the_reference_are_those_that_the_command_writes(name: str) -> None:
     page = (DOCS / 'reference' / name).read_text()
-    assert reference_tables.PAGES[name](page) == page
+    assert describe_nodes.PAGES[name](page) == page
 
 
 def test_rows_of_the_reference_are_renewed_in_their_places(tmp_path: Path) -> None:
-    for name in reference_tables.PAGES:
+    for name in describe_nodes.PAGES:
         page = (DOCS / 'reference' / name).read_text()
         (tmp_path / name).write_text(re.sub(r'line|Cartesian', 'x', page))
-    reference_tables.write_pages(tmp_path)
+    describe_nodes.write_pages(tmp_path)
     renewed = (tmp_path / 'robot_programs.md').read_text()
     assert '| `circCartesianSpace(via, target, [options])` | Moves the tool on an arc' in renewed
     assert '| `ptpcartesian` | geometry_msgs/PoseStamped | COMMAND | anyone | command: ' in (

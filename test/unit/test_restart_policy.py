@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robots_controller.live_cell.processes.restart_policy import (
+from robots_controller.live_cell.processes.node_restarts import (
     FIRST_DELAY,
     LONGEST_DELAY,
     MOST_DEATHS,

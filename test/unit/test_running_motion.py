@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robots_controller.live_cell.cell_events import MotionPlanned
-from robots_controller.live_cell.running_motion import RunningMotion
+from robots_controller.live_cell.running_cell import RunningMotion
 from robots_core.cell_interface.motion_result import MotionResult
 
 

@@ -14,7 +14,7 @@ from robots_controller.commands.cell_setup import show_substitutions, take_from_
 from robots_controller.editor.debug_adapter_server import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
-from robots_controller.program_check.first_check import check_first, sizes_of
+from robots_controller.program_check.program_check import check_first, sizes_of
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import InstallationError, OptionError
 from robots_core.exit_codes import ExitCode

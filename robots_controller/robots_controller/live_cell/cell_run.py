@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from robots_controller.live_cell.cell_graph import NodeDescription
-from robots_controller.live_cell.cell_listener import CellListener, listen
+from robots_controller.live_cell.cell_listener import listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.processes.node_processes import NodeProcesses
 from robots_controller.live_cell.running_cell import RunningCell, occupied
@@ -79,7 +79,7 @@ def _run(
             processes.start()
             code = cell.run()
             cell.bring_to_rest()
-            code = _close_recording(cell, listener, options, console, cell.program_ended) or code
+            code = cell.close_recording(judged=cell.program_ended) or code
             if options.once and options.view and cell.program_ended:
                 console.print('the pages stay open; Ctrl-C ends them')
                 cell.watch()
@@ -87,7 +87,7 @@ def _run(
             console.print('\nstopping ...')
             code = ExitCode.INTERRUPTED
             cell.bring_to_rest()
-            _close_recording(cell, listener, options, console, program_ended=False)
+            cell.close_recording(judged=False)
         finally:
             view.close()
             processes.stop()
@@ -102,39 +102,6 @@ def _bag(options: argparse.Namespace, folder: Path) -> Iterator[Path | None]:
         return
     with tempfile.TemporaryDirectory(prefix='cell_') as temporary:
         yield Path(temporary) / 'bag'
-
-
-def _close_recording(
-    cell: RunningCell,
-    listener: CellListener,
-    options: argparse.Namespace,
-    console: Console,
-    program_ended: bool,  # noqa: FBT001
-) -> int:
-    """Close the bag, if there is one that is open, and report on it; returns an exit code."""
-    recorder = listener.recorder
-    if recorder is None or recorder.closed:
-        return ExitCode.OK
-    listener.close_recording()
-    cell.show_recording()
-    if options.record:
-        console.print(f'bag: {recorder.path}')
-    if recorder.problem:
-        return ExitCode.FAILED
-    if not program_ended:
-        return ExitCode.OK
-    # Loads SciPy and the reading of meshes, which the cell itself does not need.
-    from robots_controller.commands.json_output import print_json  # noqa: PLC0415
-    from robots_controller.report.report_json import report_data  # noqa: PLC0415
-    from robots_controller.report.run_report import run_report  # noqa: PLC0415
-    from robots_controller.report.terminal import show_verdict  # noqa: PLC0415
-
-    report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
-    if options.json:
-        print_json(report_data(report))
-    else:
-        show_verdict(report, console)
-    return ExitCode.OK if report.ok else ExitCode.FAILED
 
 
 def _run_folder(root: Path, options: argparse.Namespace) -> Path:

@@ -1,10 +1,11 @@
 """Writes the tables of nodes: `python -m robots_controller.live_cell.describe_nodes`, in the repository.
 
 For each package the table that `--help` prints from, and the page of the docs; and the rows of the reference
-that `reference_tables` makes. To be run again when a node gets another parameter, topic or service, and for
-another kind of motion or another function of robot programs.
+that follow from tables in code: motion commands and functions of programs. To be run again when a node gets
+another parameter, topic or service, and for another kind of motion or another function of robot programs.
 """
 
+import re
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -12,11 +13,18 @@ from typing import Any, Final
 import rclpy
 import yaml
 
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.live_cell.node_types import node_scripts, node_type
-from robots_controller.live_cell.reference_tables import write_pages
+from robots_core.cell_interface.topic_qos import topic_qos
 from robots_core.process_end import end_quickly
 from robots_core.ros.running.node_help import TABLE, default_text, described
+from robots_planning.motion_kinds import MOTION_KINDS
 
+REFERENCE: Final = Path('docs/reference')
+_COMMANDS: Final = re.compile(r'(?:^\|.*\| command: .*\|\n)+', re.MULTILINE)
+_FUNCTIONS: Final = re.compile(
+    r'(?<=\| function \| what it does \| returns \|\n\|---\|---\|---\|\n)(?:\|.*\n)+'
+)
 PAGE: Final = Path('docs/reference/node_parameters.md')
 HEAD: Final = """# Parameters, topics and services of the nodes
 
@@ -27,6 +35,33 @@ without a slash are relative to the node's namespace; `~` is the node's own name
 NOTE: Final = (
     '# Made by `python -m robots_controller.live_cell.describe_nodes`; what was here before is replaced.\n'
 )
+
+
+def topics_page(page: str) -> str:
+    """The page of topics with a row for each motion command."""
+    rows = (
+        f'| `{kind.topic}` | {kind.message_type.replace("/msg", "")} | {topic_qos(kind.topic).text} | anyone '
+        f'| command: {kind.what} |\n'
+        for kind in MOTION_KINDS
+    )
+    return _COMMANDS.sub(lambda _: ''.join(rows), page)
+
+
+def programs_page(page: str) -> str:
+    """The page of robot programs with a row for each function."""
+    rows = (f'| `{one.signature}` | {one.doc} | {one.result or "-"} |\n' for one in LUA_FUNCTIONS.values())
+    return _FUNCTIONS.sub(lambda _: ''.join(rows), page)
+
+
+PAGES: Final = {'topics.md': topics_page, 'robot_programs.md': programs_page}
+"""By their names in `REFERENCE`."""
+
+
+def write_pages(reference: Path = REFERENCE) -> None:
+    """Renew the rows."""
+    for name, renewed in PAGES.items():
+        page = reference / name
+        page.write_text(renewed(page.read_text('utf-8')), 'utf-8')
 
 
 def described_nodes() -> dict[str, dict[str, Any]]:

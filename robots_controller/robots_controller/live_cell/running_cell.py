@@ -3,6 +3,7 @@
 import argparse
 import math
 import time
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,12 +21,12 @@ from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.processes.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.processes.node_processes import NodeProcesses
 from robots_controller.live_cell.processes.node_restarts import NodeRestarts
-from robots_controller.live_cell.running_motion import RunningMotion
 from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode
 from robots_core.exit_codes import ExitCode
 
+LATE = 100  # motions whose results may overtake their plans
 START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
 WAIT_REPORT = 10.0  # s between reports of what is waited for
 SERVICE_TIMEOUT = 60.0  # s
@@ -38,6 +39,32 @@ POLL = 0.05  # s between checks of processes and events
 REPORTED_TOPICS = ('command_state', 'digital_outputs', 'joint_states')
 CONTROLLED_TOPICS = (*REPORTED_TOPICS, *MOTION_TOPICS, 'joint_reference')
 """The same where controller_node moves the robot."""
+
+
+class RunningMotion:
+    """Follows plans and results. A result that overtakes its plan ends the motion too."""
+
+    def __init__(self) -> None:
+        self._id: str | None = None
+        self._ended: deque[str] = deque(maxlen=LATE)
+        # Results of streams have the id of their first point, and may overtake their last ones.
+        self._streaming, self._stream_end = False, 0.0
+
+    @property
+    def runs(self) -> bool:
+        """A motion was planned, and has not ended."""
+        return self._id is not None
+
+    def note(self, event: MotionPlanned | MotionResult) -> None:
+        """Take the next event."""
+        if isinstance(event, MotionPlanned):
+            late = float(event.id) <= self._stream_end if event.streamed else event.id in self._ended
+            if not late:
+                self._id, self._streaming = event.id, event.streamed
+        elif not event.blocked:  # otherwise the planner leads the robot around the obstacle
+            self._ended.append(event.id)
+            if event.id == self._id or self._streaming:
+                self._id, self._stream_end = None, float(event.details.get('ended', 0.0))
 
 
 class RunningCell:
@@ -172,18 +199,48 @@ class RunningCell:
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
             self._ended = True
-        self.show_recording()
+        self._show_recording()
         # The established cell keeps the namespace; the newcomer exits.
         if self._foreign and time.monotonic() < self._settled:
             self._console.print(occupied(self._foreign, self._options.namespace))
             self._ended = True
         return not self._ended
 
-    def show_recording(self) -> None:
+    def _show_recording(self) -> None:
         """Show why the recording is not complete, once."""
         if self._recorder is not None and self._recorder.problem and not self._recording_ended:
             self._recording_ended = True
             self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
+
+    def close_recording(self, *, judged: bool) -> int:
+        """Close the bag, if there is one that is open, and report on the program; returns an exit code.
+
+        Args:
+            judged: The program has ended, and there is a verdict on it.
+        """
+        recorder, options = self._recorder, self._options
+        if recorder is None or recorder.closed:
+            return ExitCode.OK
+        self._listener.close_recording()
+        self._show_recording()
+        if options.record:
+            self._console.print(f'bag: {recorder.path}')
+        if recorder.problem:
+            return ExitCode.FAILED
+        if not judged:
+            return ExitCode.OK
+        # Loads SciPy and the reading of meshes, which the cell itself does not need.
+        from robots_controller.commands.json_output import print_json  # noqa: PLC0415
+        from robots_controller.report.report_json import report_data  # noqa: PLC0415
+        from robots_controller.report.run_report import run_report  # noqa: PLC0415
+        from robots_controller.report.terminal import show_verdict  # noqa: PLC0415
+
+        report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
+        if options.json:
+            print_json(report_data(report))
+        else:
+            show_verdict(report, self._console)
+        return ExitCode.OK if report.ok else ExitCode.FAILED
 
     def _call(self, service: str) -> bool:
         future = self._listener.call(f'lua_program_node/{service}')

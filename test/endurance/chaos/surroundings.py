@@ -13,7 +13,7 @@ from cell_options import nodes_of_cell
 from node_pids import node_pids
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.live_cell.processes.node_processes import node_arguments
-from robots_controller.live_cell.processes.restart_policy import MOST_DEATHS, STEADY
+from robots_controller.live_cell.processes.node_restarts import MOST_DEATHS, STEADY
 from robots_controller.program.files.program_header import read_program_header
 
 PROGRAMS: Final = Path(__file__).parent / 'programs'

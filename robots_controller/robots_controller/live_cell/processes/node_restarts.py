@@ -1,20 +1,97 @@
 """NodeRestarts: starts processes of a cell again that have died; nothing moves by that."""
 
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
+from rclpy.node import Node
 from rich.console import Console
 from rich.markup import escape
 
-from robots_controller.io.fail_safe import FailSafe
+from robots_controller.io.fail_safe import FailSafe, fail_safe_texts, safe_value
+from robots_controller.io.io_image import Channel, Kind
 from robots_controller.live_cell.cell_events import ProgramStatus
 from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_controller.live_cell.processes.node_processes import NodeProcess, NodeProcesses
-from robots_controller.live_cell.processes.orphaned_outputs import OrphanedOutputs
-from robots_controller.live_cell.processes.restart_policy import RestartPolicy
+from robots_core.ros.qos import make_publisher
 
+FIRST_DELAY: Final = 0.5  # s
+LONGEST_DELAY: Final = 30.0  # s
+MOST_DEATHS: Final = 6
+"""In a row: one more restart would not help either."""
+STEADY: Final = 60.0
+"""A node that has lived for so long starts a new row, s."""
 PROGRAM_NODE: Final = 'lua_program_node'
 UNDER_WAY: Final = ('RUNNING', 'PAUSED')
+
+
+class OrphanedOutputs:
+    """Writes the images of outputs while the node that owns them is dead, and never beside it.
+
+    Args:
+        node: Owner of the publishers.
+        fail_safe: Values of outputs when no running program answers for them.
+    """
+
+    def __init__(self, node: Node, fail_safe: FailSafe) -> None:
+        self._node, self._fail_safe = node, fail_safe
+        self._publishers: list[Any] = []
+        self._values: dict[str, float] = {}
+
+    def take_over(self, images: Mapping[Kind, Any]) -> None:
+        """The owner is dead: publish its last images with fail-safe values."""
+        self._values = {}
+        for kind, image in images.items():
+            outputs = [Channel(kind, 'output', index) for index in range(1, len(image.data) + 1)]
+            values = [
+                safe_value(self._fail_safe, output, float(value))
+                for output, value in zip(outputs, image.data, strict=True)
+            ]
+            self._values |= {output.name: value for output, value in zip(outputs, values, strict=True)}
+            data = [int(value) for value in values] if kind == 'digital' else values
+            publisher = make_publisher(self._node, type(image), f'{kind}_outputs')
+            publisher.publish(type(image)(layout=image.layout, data=data))
+            self._publishers.append(publisher)
+
+    def hand_back(self) -> list[str]:
+        """Publish no more; returns the values that are not 0, as a parameter of the owner's next process."""
+        for publisher in self._publishers:
+            self._node.destroy_publisher(publisher)
+        self._publishers.clear()
+        return fail_safe_texts({name: value for name, value in self._values.items() if value != 0.0})
+
+
+@dataclass
+class _Deaths:
+    row: int = 0
+    started: float = 0.0
+
+
+class RestartPolicy:
+    """Each death in a row doubles the delay of the next start, until there are too many."""
+
+    def __init__(self) -> None:
+        self._deaths: dict[str, _Deaths] = {}
+        self._due: dict[str, float] = {}
+
+    def died(self, node: str, now: float) -> float | None:
+        """A node has died: the delay until it is started again, s; None to give it up."""
+        deaths = self._deaths.setdefault(node, _Deaths())
+        deaths.row = 1 if now - deaths.started >= STEADY else deaths.row + 1
+        if deaths.row >= MOST_DEATHS:
+            return None
+        delay = min(FIRST_DELAY * 2.0 ** (deaths.row - 1), LONGEST_DELAY)
+        self._due[node] = now + delay
+        return delay
+
+    def due(self, now: float) -> list[str]:
+        """The nodes to start now, once each."""
+        found = [node for node, time in self._due.items() if time <= now]
+        for node in found:
+            del self._due[node]
+            self._deaths[node].started = now
+        return found
 
 
 class NodeRestarts:
