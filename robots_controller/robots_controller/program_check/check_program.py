@@ -11,8 +11,7 @@ from rich.console import Console
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.commands.json_output import print_json
 from robots_controller.program.files.program_header import ProgramHeader, read_program_header
-from robots_controller.program_check.first_check import sizes_of
-from robots_controller.program_check.program_check import ProgramProblem, check_program
+from robots_controller.program_check.program_check import ProgramProblem, check_program, sizes_of
 from robots_controller.program_check.walk import walk_program
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.exit_codes import ExitCode

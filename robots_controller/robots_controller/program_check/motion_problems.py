@@ -1,17 +1,19 @@
-"""What is wrong with a motion although it was planned: torques past their limits, singular postures."""
+"""What a walk says of a motion: torques past their limits, singular postures, the way around obstacles."""
 
 from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
-from robots_controller.degrees import for_program, pose_to_program
+from robots_controller.degrees import for_program, joints_text, pose_to_program
+from robots_controller.simulation.simulation_run import SimulatedMotion
+from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.inverse_kinematics.hold import POSITION, held_by
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.stretched_length import stretched_length
-from robots_planning.pathplanning import PlannedMotion
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.verification.trajectory_verification import RATIO_TOLERANCE, verify
 
 # Smallest over largest singular value of the Jacobian, lengths in reaches of the robot: the joints move a
@@ -61,3 +63,31 @@ def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -
             f'singular: the tool passes a singular posture after {part:.0f} % of its path '
             f'({times[worst]:.2f} s): singular values differ by a factor of {factor:.3g}'
         )
+
+
+def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> str:
+    """The path of a motion that was planned, and the smallest distance on it, for a person.
+
+    Args:
+        planning: Of the robot, with what is around it.
+        motion: The motion, with its plan.
+    """
+    assert motion.plan is not None
+    trajectory, command = motion.plan.trajectory, motion.command
+    start, end = motion.start_on_plan, motion.end_on_plan
+    text = f'{command.function}: '
+    if motion.plan.via is None:
+        text += 'blended into its chain'
+    elif len(motion.plan.via):
+        prismatic = planning.robot.axes_data.prismatic
+        text += f'goes around via {", ".join(joints_text(q, prismatic) for q in motion.plan.via)}'
+    else:
+        text += 'takes the straight line of the axes'
+    text += f', {end - start:.2f} s'
+    if planning.collision is not None:
+        inside = trajectory.time[(trajectory.time > start) & (trajectory.time < end)]
+        times = np.concatenate([[start], inside, [end]])
+        closest = planning.collision.closest_approach(JointPath(times, *trajectory.sample(times)))
+        if closest is not None:
+            text += f'; smallest distance: {closest.proximity.describe()} after {closest.time - start:.2f} s'
+    return text

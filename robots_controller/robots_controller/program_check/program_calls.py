@@ -14,9 +14,9 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.interpreter.lua_values import UNKNOWN
-from robots_controller.program_check.constants import constant
 from robots_controller.program_check.lua_calls import (
     closing,
+    constant,
     is_table,
     lua_calls,
     split_values,

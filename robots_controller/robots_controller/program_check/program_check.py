@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, TASK_FUNCTIONS
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
 from robots_controller.interpreter.program_run import find_subprogram
+from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.io_image import IoImage
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program_check.comparisons import comparisons_of_unlike_values
 from robots_controller.program_check.lua_calls import lua_calls
@@ -107,3 +111,49 @@ def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
             checked.tasks.add(subprogram.file)
         if subprogram.file not in checked.sources:
             _collect(main, subprogram, checked)
+
+
+def sizes_of(
+    num_axes: int,
+    io: Path | str = '',
+    io_map: Path | str = '',
+    frames: Path | str = '',
+    *,
+    digital: int = DIGITAL_SIZE,
+    analog: int = ANALOG_SIZE,
+) -> Sizes:
+    """What bounds the arguments of a program.
+
+    Args:
+        num_axes: Of its robot.
+        io: Script of a PLC; '' for none.
+        io_map: Map of inputs and outputs; '' for none.
+        frames: Frames file; '' for the one beside the program.
+        digital: Number of digital inputs, and of outputs.
+        analog: Number of analog inputs, and of outputs.
+
+    Raises:
+        RobotsError: a file that is not valid.
+    """
+    file = Path(frames) if frames else None
+    if not (io or io_map):
+        return Sizes(num_axes, digital, analog, frames_file=file)
+    labels = read_cell_io(io, io_map).labels
+    image = IoImage(digital=digital, analog=analog, labels=labels)
+    return replace(Sizes.of(num_axes, image), frames_file=file)
+
+
+def check_first(program: Path | str, sizes: Sizes) -> None:
+    """Print what is wrong with a program, as `check_program` does.
+
+    Raises:
+        RobotsError: something is.
+    """
+    problems = check_program(program, sizes)
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    if problems:
+        count = f'{len(problems)} problems' if len(problems) > 1 else 'a problem'
+        raise ProgramError(
+            f'{Path(program).name} has {count}, and nothing was started; --no-check runs it anyway'
+        )

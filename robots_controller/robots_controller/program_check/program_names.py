@@ -10,21 +10,7 @@ from robots_controller.program_check.lua_calls import nesting
 from robots_controller.program_check.other_languages import FUNCTIONS, INSTEAD, VALUES
 from robots_core.wording.nearest_name import did_you_mean
 
-FORBIDDEN: Final = frozenset(
-    [
-        'collectgarbage',
-        'debug',
-        'dofile',
-        'io',
-        'load',
-        'loadfile',
-        'loadstring',
-        'os',
-        'package',
-        'require',
-        'warn',
-    ]
-)
+FORBIDDEN: Final = frozenset({*INSTEAD, 'collectgarbage', 'debug', 'warn'})
 """Globals of Lua that programs do not have."""
 
 LUA_GLOBALS: Final = frozenset({'_ENV', *lua_globals()}) - FORBIDDEN

@@ -1,29 +1,73 @@
 """walk_program: what a program meets, whatever its inputs are."""
 
+import itertools
 import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from operator import itemgetter
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from robots_controller.defaults import LONGEST_WALK, MOST_COMBINATIONS
+from robots_controller.io.io_image import Channel
 from robots_controller.io.plc_script import PlcScript, read_plc_script
-from robots_controller.program_check.input_combinations import InputCombination, input_combinations
 from robots_controller.program_check.lenient_planning import LenientPlanning
-from robots_controller.program_check.motion_problems import motion_problems, refusal
-from robots_controller.program_check.planned_path import planned_path
+from robots_controller.program_check.motion_problems import motion_problems, planned_path, refusal
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
-from robots_core.errors import InvalidInputError
-from robots_core.validation import positive
 
 START_OF_PROCESSES: Final = 2.0  # s, what they take to load
+
+
+@dataclass(frozen=True)
+class InputCombination:
+    """Values of the inputs at the start; from there the script's rules set them.
+
+    Attributes:
+        values: (input, value), all that the script names.
+        names: Own names of channels.
+    """
+
+    values: tuple[tuple[Channel, float], ...] = ()
+    names: tuple[tuple[Channel, str], ...] = ()
+
+    def script(self, script: PlcScript) -> PlcScript:
+        """The script with these values at its start."""
+        return replace(script, initial=MappingProxyType(dict(self.values)))
+
+    def describe(self) -> str:
+        """For a person: press_ready on, press_force 0."""
+        names = dict(self.names)
+        words = (
+            f'{names.get(channel, channel.name)} '
+            f'{("off", "on")[int(value)] if channel.kind == "digital" else format(value, "g")}'
+            for channel, value in self.values
+        )
+        return ', '.join(words)
+
+
+def input_combinations(script: PlcScript) -> Iterator[InputCombination]:
+    """Every combination of the inputs that a script sets, starts with or names; its own start comes first.
+
+    A digital input is off or on; an analog one has any of the values that the script gives it, or 0.
+    """
+    inputs = tuple(channel for channel in script.channels if channel.direction == 'input')
+    names = tuple((channel, name) for name, channel in script.signals.items())
+    choices = [_values(script, channel) for channel in inputs]
+    for values in itertools.product(*choices):
+        yield InputCombination(tuple(zip(inputs, values, strict=True)), names)
+
+
+def _values(script: PlcScript, channel: Channel) -> tuple[float, ...]:
+    own = float(script.initial.get(channel, 0.0))
+    given = {0.0, 1.0} if channel.kind == 'digital' else {0.0}
+    given |= {value for rule in script.rules for one, value in rule.settings if one == channel}
+    return (own, *sorted(given - {own}))
 
 
 @dataclass(frozen=True)
@@ -41,11 +85,6 @@ class WalkResult:
     walked: int
     possible: int
     paths: tuple[str, ...] = ()
-
-    @property
-    def ok(self) -> bool:
-        """Nothing is wrong, and nothing was left out."""
-        return not self.problems and self.walked == self.possible
 
 
 def walk_program(
@@ -79,23 +118,10 @@ def walk_program(
     Raises:
         RobotsError: an unknown robot, a file that is not valid, or a program that is not Lua.
     """
-    if most < 1:
-        raise InvalidInputError(f'most = {most} must be at least 1')
-    positive(longest, 'longest', 's')
     until = time.monotonic() + patience
     everything = list(input_combinations(_script(io)))
     combinations = everything[:most]
-    walk = partial(
-        _walk,
-        program=str(program),
-        robot=robot,
-        scene=str(scene),
-        io=str(io),
-        frames=str(frames),
-        longest=longest,
-        patience=patience,
-        until=until,
-    )
+    walk = _Walk(str(program), robot, str(scene), str(io), str(frames), longest, patience, until)
     # What is wrong with the input itself is raised here, before processes start.
     begin = time.monotonic()
     walks, left = [walk(combinations[0])], combinations[1:]
@@ -111,51 +137,56 @@ def walk_program(
     return WalkResult(problems, len(combinations), len(everything), shown)
 
 
-def _walk(
-    combination: InputCombination,
-    *,
-    program: str,
-    robot: str,
-    scene: str,
-    io: str,
-    frames: str,
-    longest: float,
-    patience: float,
-    until: float,
-) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
-    """Problems and paths around obstacles (file, line, text) of one walk; none begins after `until`."""
-    left = until - time.monotonic()
-    if left <= 0.0:
-        late = f'not walked within the patience of {patience:g} s'
-        return [ProgramProblem(Path(program).name, 0, late)], []
-    parts = cell_parts(program, robot=robot, scene=scene, frames=frames)
-    planning = LenientPlanning(parts.planning)
-    cell_io = replace(parts.cell_io, script=combination.script(_script(io)))
-    # Planning reports what collides; no guard stops the robot before it. Where guides would lead is unknown.
-    parts = replace(parts, planning=planning, cell_io=cell_io, io='', scene='', unguided=True)
-    cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
-    run = cell.run()
-    found: dict[ProgramProblem, None] = {}
-    paths: list[tuple[str, int, str]] = []
-    for motion in run.motions:
-        if motion.plan is None:
-            continue
-        file, command = motion.file, motion.command
-        error = planning.problems.get(motion.plan)
-        reasons = (
-            [refusal(error, command.pose, parts.robot.orientation_convention)]
-            if error is not None
-            else motion_problems(
-                loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
+@dataclass(frozen=True)
+class _Walk:
+    """Walks a program; none begins after `until`. Other processes get it, with a combination of inputs."""
+
+    program: str
+    robot: str
+    scene: str
+    io: str
+    frames: str
+    longest: float
+    patience: float
+    until: float
+
+    def __call__(
+        self, combination: InputCombination
+    ) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
+        """Problems and paths around obstacles (file, line, text) of one walk."""
+        left = self.until - time.monotonic()
+        if left <= 0.0:
+            late = f'not walked within the patience of {self.patience:g} s'
+            return [ProgramProblem(Path(self.program).name, 0, late)], []
+        parts = cell_parts(self.program, robot=self.robot, scene=self.scene, frames=self.frames)
+        planning = LenientPlanning(parts.planning)
+        cell_io = replace(parts.cell_io, script=combination.script(_script(self.io)))
+        # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
+        # unknown.
+        parts = replace(parts, planning=planning, cell_io=cell_io, io='', scene='', unguided=True)
+        cell = SimulatedCell(parts, drive='ideal', longest=self.longest, patience=left)
+        run = cell.run()
+        found: dict[ProgramProblem, None] = {}
+        paths: list[tuple[str, int, str]] = []
+        for motion in run.motions:
+            if motion.plan is None:
+                continue
+            file, command = motion.file, motion.command
+            error = planning.problems.get(motion.plan)
+            reasons = (
+                [refusal(error, command.pose, parts.robot.orientation_convention)]
+                if error is not None
+                else motion_problems(
+                    loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
+                )
             )
-        )
-        if error is None and motion.settings.avoid and not command.kind.cartesian:
-            paths.append((file, command.line, planned_path(planning, motion)))
-        for reason in reasons:
-            found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
-    if run.error is not None:
-        found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
-    return list(found), paths
+            if error is None and motion.settings.avoid and not command.kind.cartesian:
+                paths.append((file, command.line, planned_path(planning, motion)))
+            for reason in reasons:
+                found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
+        if run.error is not None:
+            found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
+        return list(found), paths
 
 
 def _script(io: Path | str) -> PlcScript:

@@ -17,7 +17,7 @@ from robots_controller.commands.cell_arguments import CELL_OPTIONS
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
 from robots_controller.commands.command_table import SIMULATE
 from robots_controller.commands.json_output import print_json
-from robots_controller.program_check.first_check import check_first, sizes_of
+from robots_controller.program_check.program_check import check_first, sizes_of
 from robots_controller.report.report_json import report_data
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_verdict
