@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.commands.measure_arguments import HALF_AXES
 from robots_controller.commands.robots import run
+from robots_controller.commands.tool_arguments import HALF_AXES
 from robots_controller.program.files.cell_frames import CellFrames, Tool, read_frames, write_frames
 from robots_controller.program.files.taught_points import TaughtPoint, write_points
 from robots_core import BaseRobotModel, Pose, load_robot_model

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_controller.client.motion import Motion
-from robots_controller.client.motions_under_way import MotionsUnderWay
+from robots_controller.client.motion import Motion, MotionsUnderWay
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import PlanningError
 from robots_planning.motion_kinds import JOINT

@@ -12,10 +12,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
 
-from robots_controller.client.connection import Connection
+from robots_controller.client.cell_services import Connection
 from robots_controller.client.io_client import IoClient
-from robots_controller.client.motion import Motion
-from robots_controller.client.motions_under_way import MotionsUnderWay
+from robots_controller.client.motion import Motion, MotionsUnderWay
 from robots_controller.client.program_client import ProgramClient
 from robots_controller.nodes.ports.commanded_motions import commanded_motions
 from robots_controller.nodes.ports.program.planner_client import PlannerClient

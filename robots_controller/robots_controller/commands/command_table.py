@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from robots_controller.commands import cell_arguments, measure_arguments, tool_arguments
+from robots_controller.commands import cell_arguments, tool_arguments
 from robots_controller.commands.command import Command
 
 CELL: Final = Command(
@@ -84,7 +84,7 @@ CHECK: Final = Command(
 MEASURE: Final = Command(
     'measure',
     'measures a tool or a base from taught points, or a payload from a recorded motion, and saves it by name',
-    measure_arguments.measure_arguments,
+    tool_arguments.measure_arguments,
     'robots_controller.measuring.measure:measure',
     json=True,
 )

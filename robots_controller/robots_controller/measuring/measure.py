@@ -8,20 +8,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
 from robots_controller.commands.json_output import print_json
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.measuring.frame_measuring import Sequence as Touched
-from robots_controller.measuring.recorded_motion import recorded_motion
 from robots_controller.measuring.shown_numbers import degrees, millimetres
 from robots_controller.program.files.cell_frames import FRAMES_FILE, FrameKind
 from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program.files.taught_points import SUFFIX, TaughtPoint, read_points
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.joint_rows import joint_rows
+from robots_controller.recording.message_rows import NANOSECONDS
+from robots_controller.recording.recorded_robot import recorded_robot
 from robots_controller.terminal_table import Columns, TerminalTable
+from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.blocks.calibration.payload_identification import identify_payload
-from robots_core.errors import MeasurementError, OptionError, UnreadableFileError
+from robots_core.errors import BagError, MeasurementError, OptionError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
@@ -196,3 +201,29 @@ def _pose_rows(
 
 def _pose_data(pose: Pose) -> dict[str, Any]:
     return {'position': pose.r, 'quaternion': pose.quaternion()}
+
+
+def recorded_motion(
+    path: Path, *, robot: str = '', namespace: str = '/'
+) -> tuple[BaseRobotModel, MotionSamples]:
+    """The robot and the motion of a bag.
+
+    Args:
+        path: Of the bag.
+        robot: Name of the robot; '' for the one that the bag names.
+        namespace: Of the recorded cell.
+
+    Raises:
+        RobotsError: it is no bag, names no robot, or has no torques.
+    """
+    bag, prefix = read_bag(path), namespace.rstrip('/') + '/'
+    model = recorded_robot(bag, prefix, robot)
+    rows = joint_rows(bag, f'{prefix}joint_states', model)
+    q, _, tau = rows.values
+    if q is None or tau is None:
+        raise BagError(
+            f'{path} has no torques (effort) in {prefix}joint_states; simulated drives of the level '
+            'rigid_body measure them'
+        )
+    stamp, first = np.unique(rows.stamp, return_index=True)
+    return model, MotionSamples.from_recording((stamp - stamp[0]) / NANOSECONDS, q[first], tau[first])

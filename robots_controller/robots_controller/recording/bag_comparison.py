@@ -2,16 +2,18 @@
 
 import bisect
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from robots_controller.recording.bag_file import Bag
 from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance
-from robots_controller.recording.message_fields import Value, flat_fields
 from robots_core.errors import BagError
 
+Value = bool | int | float | str | bytes
 Fields = dict[str, Value]
 
 
@@ -276,3 +278,37 @@ def _shown(value: Value | None) -> str:
 def _xml_text(text: str) -> str:
     """Without the control characters that XML cannot hold."""
     return ''.join(c if c >= ' ' or c in '\n\t' else '\ufffd' for c in text)
+
+
+def flat_fields(message: Any, path: str = '') -> Iterator[tuple[str, Value]]:
+    """All values of a message of rosbags with their paths: `position[2]`, `header.stamp`.
+
+    A time or duration is one value in ns; a list of key-value pairs is written with its keys:
+    `values.line`; the length of a list is a value of its own, `position.length`.
+    """
+    if is_dataclass(message) and not isinstance(message, type):
+        values = {
+            field.name: getattr(message, field.name) for field in fields(message) if field.name[0] != '_'
+        }
+        if list(values) == ['sec', 'nanosec']:
+            yield path, values['sec'] * 1_000_000_000 + values['nanosec']
+            return
+        for name, value in values.items():
+            yield from flat_fields(value, f'{path}.{name}' if path else name)
+    elif isinstance(message, (list, tuple, np.ndarray)):
+        yield f'{path}.length', len(message)
+        if len(message) and _is_pair(message[0]) and len({pair.key for pair in message}) == len(message):
+            for pair in message:
+                yield f'{path}.{pair.key}', pair.value
+            return
+        for index, item in enumerate(message.tolist() if isinstance(message, np.ndarray) else message):
+            yield from flat_fields(item, f'{path}[{index}]')
+    else:
+        yield path, message
+
+
+def _is_pair(item: Any) -> bool:
+    return is_dataclass(item) and [field.name for field in fields(item) if field.name[0] != '_'] == [
+        'key',
+        'value',
+    ]
