@@ -9,7 +9,7 @@ from collections.abc import Callable
 from robots_controller.io.bridge.io_bridge import IoBridge
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, parse_io_map
-from robots_controller.io.plant.connections import connect
+from robots_controller.io.plant.plant_connection import connect
 
 DEADLINE = 120.0  # s
 

@@ -15,9 +15,9 @@ from typing import IO, Any
 
 from plant_partners import MqttPartner, free_port
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
-from robots_controller.io.plant.mqtt.mqtt_plc import MqttPlc
-from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.modbus_plc import ModbusPlc
+from robots_controller.io.plant.mqtt_plc import MqttPlc
+from robots_controller.io.plant.opcua_plc import OpcuaPlc
 
 READY, START = Channel('digital', 'input', 1), Channel('digital', 'output', 1)
 PLCS: dict[str, Any] = {'modbus': ModbusPlc, 'mqtt': MqttPlc, 'opcua': OpcuaPlc}

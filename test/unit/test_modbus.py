@@ -9,8 +9,7 @@ import pytest
 from plant_bench import PlantBench
 from plant_partners import Line, ModbusPartner
 from robots_controller.io.io_map import parse_io_map
-from robots_controller.io.plant.modbus.modbus_link import decoded, encoded
-from robots_controller.io.plant.modbus.modbus_map import ModbusPlace
+from robots_controller.io.plant.modbus import ModbusPlace, decoded, encoded
 from robots_core.errors import InvalidInputError
 
 MAP = """

@@ -18,7 +18,7 @@ from opcua_partners import certificate
 from plant_bench import DEADLINE, PlantBench
 from plant_partners import Line, MqttPartner
 from robots_controller.io.io_map import parse_io_map
-from robots_controller.io.plant.json_pointer import JsonPointer
+from robots_controller.io.plant.mqtt import JsonPointer
 from robots_core.errors import InvalidInputError
 
 MAP = """

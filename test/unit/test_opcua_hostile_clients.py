@@ -14,7 +14,7 @@ import pytest
 from opcua_bench import Served
 from opcua_client import as_client
 from plant_partners import DEADLINE, free_port
-from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.opcua_plc import OpcuaPlc
 from robots_controller.opcua.server_settings import ServerSettings
 
 LONG = 65_000

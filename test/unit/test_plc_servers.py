@@ -12,9 +12,9 @@ import pytest
 from plant_bench import PlantBench
 from plant_partners import MqttPartner, free_port
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
-from robots_controller.io.plant.mqtt.mqtt_plc import MqttPlc
-from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.modbus_plc import ModbusPlc
+from robots_controller.io.plant.mqtt_plc import MqttPlc
+from robots_controller.io.plant.opcua_plc import OpcuaPlc
 from robots_core.errors import InvalidInputError
 
 MODBUS = """

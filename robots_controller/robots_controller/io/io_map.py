@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.io.bridge.place import Place, PlantPlace
+from robots_controller.io.bridge.io_port import Place, PlantPlace
 from robots_controller.io.bridge.topic_field import KEYS as TOPIC_KEYS
 from robots_controller.io.bridge.topic_field import TopicField, read_topic_field
 from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations

@@ -16,7 +16,7 @@ from robots_controller.io.bridge.io_port import IoPort
 from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_map import IoMap, IoRow, read_io_map
-from robots_controller.io.plant.connections import connect
+from robots_controller.io.plant.plant_connection import connect
 from robots_controller.nodes.ports.io_images import InputImages, OutputImages
 from robots_controller.nodes.ports.topic_ports import InputTopic, OutputTopic
 from robots_core.ros.lockstep.phases import Phase

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -10,9 +10,9 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_plc import ModbusPlc
-from robots_controller.io.plant.mqtt.mqtt_plc import MqttPlc
-from robots_controller.io.plant.opcua.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.modbus_plc import ModbusPlc
+from robots_controller.io.plant.mqtt_plc import MqttPlc
+from robots_controller.io.plant.opcua_plc import OpcuaPlc
 from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
@@ -47,7 +47,7 @@ class PlcNode(RobotNode):
         path = self.parameter('script', '', 'YAML file with the rules of the PLC')
         cycle = self.parameter('cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0))
         script = read_plc_script(path) if path else PlcScript(())
-        servers: dict[Callable[..., PlcServer], int] = {
+        servers: dict[type[PlcServer], int] = {
             ModbusPlc: self.parameter('modbus_port', 0, f'as a Modbus TCP server, {PORT}', bounds=PORTS),
             MqttPlc: self.parameter('mqtt_port', 0, f'as a client of an MQTT broker {PORT}', bounds=PORTS),
             OpcuaPlc: self.parameter('opcua_port', 0, f'as an OPC UA server, {PORT}', bounds=PORTS),

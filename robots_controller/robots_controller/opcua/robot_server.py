@@ -13,8 +13,8 @@ from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPoli
 
 from robots_controller.io.plant.credentials import application_uri, read_credential
 from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
-from robots_controller.io.plant.opcua.opcua_frames import start_guarded
-from robots_controller.io.plant.opcua.opcua_map import MODES, POLICIES
+from robots_controller.io.plant.opcua import MODES, POLICIES
+from robots_controller.io.plant.opcua_frames import start_guarded
 from robots_controller.opcua.address_space.node_writer import NAMESPACE
 from robots_controller.opcua.address_space.robot_nodes import RobotNodes
 from robots_controller.opcua.robot_port import RobotPort

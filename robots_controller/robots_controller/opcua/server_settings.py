@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from robots_controller.io.plant.credentials import checked_file, existing_file, read_password
-from robots_controller.io.plant.opcua.opcua_map import POLICIES
+from robots_controller.io.plant.opcua import POLICIES
 from robots_core.errors import InvalidInputError
 from robots_core.files.yaml_section import YamlSection, read_yaml
 

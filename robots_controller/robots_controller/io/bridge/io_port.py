@@ -1,4 +1,4 @@
-"""IoPort: what the rows of an I/O map exchange values with, a topic or the server of a protocol."""
+"""Partners of the rows of an I/O map, topics and servers of protocols, and the places of values there."""
 
 from __future__ import annotations
 
@@ -7,9 +7,44 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from robots_controller.io.bridge.place import Place
-
 Number = bool | int | float
+
+
+@dataclass(frozen=True)
+class Place:
+    """A field of a topic, a register, a variable of an OPC UA server.
+
+    Attributes:
+        port: The partner: a topic, or a protocol and its server. Places of one port share an `IoPort`.
+    """
+
+    port: str
+
+    @property
+    def source(self) -> str:
+        """What falls silent together with this place, for messages: the topic or the partner."""
+        return self.port
+
+    @property
+    def text(self) -> str:
+        """The place at its partner, for messages."""
+        raise NotImplementedError
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """What it takes of its partner, by any names; two outputs must not take the same."""
+        return (self.text,)
+
+
+@dataclass(frozen=True)
+class PlantPlace(Place):
+    """A place at a server of a protocol.
+
+    Attributes:
+        kind: Type of the number: 'boolean', 'float', 'double' or one of `INTEGERS`.
+    """
+
+    kind: str
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from robots_controller.io.bridge.place import Place
+from robots_controller.io.bridge.io_port import Place
 from robots_controller.io.field_path import FieldPath
 from robots_core.cell_interface.topic_qos import Profile
 from robots_core.files.yaml_section import YamlSection

@@ -8,10 +8,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from threading import Condition, Thread
 from typing import Any, Final
 
-from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
-from robots_controller.io.bridge.place import Place
+from robots_controller.io.bridge.io_port import Arrival, IoPort, Number, Place
+from robots_controller.io.io_map import IoRow
 from robots_controller.io.plant.plant_link import LinkError, PlantLink
-from robots_controller.io.plant.waiting_writes import WaitingWrites
+from robots_controller.io.plant.protocols import PlantServer
+from robots_core.errors import InvalidInputError
 
 FIRST_PAUSE: Final = 0.2  # s
 LONGEST_PAUSE: Final = 5.0  # s
@@ -20,7 +21,63 @@ MOST_ARRIVALS: Final = 20_000
 """Values that wait for the loop; beyond it the oldest are lost."""
 MOST_TAKEN: Final = 1000
 """Values that the loop takes before its other work has its turn."""
+LONGEST_QUEUE: Final = 100
+"""Images of the outputs, beyond which older ones are overtaken."""
 FINISH_TIMEOUT: Final = 1.0  # s, for the thread to end
+
+
+class WaitingWrites:
+    """Writes that wait; each place's newest value is never lost, older ones are where they pile up."""
+
+    def __init__(self) -> None:
+        self._newest: dict[Place, Number] = {}
+        self._queue: deque[dict[Place, Number]] = deque()
+        self.refused: dict[Place, str] = {}
+        """Places that the partner refuses, and why."""
+        self.overtaken = 0
+        """Values that were replaced by newer ones before they could be written."""
+
+    def __bool__(self) -> bool:
+        return bool(self._queue)
+
+    def add(self, values: Mapping[Place, Number]) -> None:
+        """Add what is to be written together."""
+        for place, value in values.items():
+            self._newest.pop(place, None)  # to stand behind the others
+            self._newest[place] = value
+        self._queue.append(dict(values))
+        if len(self._queue) > LONGEST_QUEUE:
+            self._merge(set().union(*self._queue))
+
+    def take(self) -> dict[Place, Number]:
+        """The next that are to be written."""
+        return self._queue.popleft()
+
+    def confirm(self, written: Mapping[Place, Number], refused: Mapping[Place, str]) -> None:
+        """Take the partner's answer to what was taken."""
+        for place in written:
+            self.refused.pop(place, None)
+        self.refused.update(refused)
+
+    def start_again(self) -> None:
+        """After a break: write the newest value of every place, in the order of their last changes."""
+        self.refused.clear()
+        self._merge(set(self._newest))
+
+    def retry_refused(self) -> None:
+        """Write again what was refused."""
+        if self.refused and not self._queue:
+            self._queue_newest(set(self.refused))
+
+    def _merge(self, places: set[Place]) -> None:
+        waiting = [place for values in self._queue for place in values]
+        self.overtaken += len(waiting) - len(set(waiting))
+        self._queue.clear()
+        if places:
+            self._queue_newest(places)
+
+    def _queue_newest(self, places: set[Place]) -> None:
+        self._queue.append({place: value for place, value in self._newest.items() if place in places})
 
 
 class PlantConnection(IoPort):
@@ -216,3 +273,31 @@ class PlantConnection(IoPort):
             others = f' and {len(refused) - 1} more outputs' if len(refused) > 1 else ''
             problems['refused'] = f'{self._name}: refuses {place.text}{others}, tried again and again: {why}'
         self._problems = problems
+
+
+def connect(
+    server: PlantServer, rows: Sequence[IoRow], wake: Callable[[], None], **options: float
+) -> PlantConnection:
+    """The connection of a server; it connects by itself.
+
+    Args:
+        server: The server.
+        rows: Those with places there, at least one.
+        wake: As of `PlantConnection`.
+        options: Of `PlantConnection`.
+
+    Raises:
+        InvalidInputError: the protocol's library is not installed.
+    """
+    inputs: dict[Place, float] = {}
+    outputs: dict[Place, None] = {}
+    for row in rows:
+        if row.channel.direction == 'output':
+            outputs[row.place] = None
+        else:
+            inputs[row.place] = min(row.period, inputs.get(row.place, row.period))
+    try:
+        link = server.link(inputs, outputs)
+    except InvalidInputError as error:
+        raise rows[0].error(error.message) from None
+    return PlantConnection(server.port, link, wake, **options)

@@ -5,8 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from typing import Any, Protocol
 
-from robots_controller.io.bridge.io_port import Arrival, Number
-from robots_controller.io.bridge.place import Place
+from robots_controller.io.bridge.io_port import Arrival, Number, Place
 from robots_core.errors import InvalidInputError, RobotsError
 
 

@@ -18,7 +18,18 @@ OnWritten = Callable[[str, float], None]
 
 
 class PlcServer(Protocol):
-    """A server, or a client of a broker; its channels are those of the robot."""
+    """A server, or a client of a broker; its channels are those of the robot.
+
+    Args:
+        channels: Those that the script has.
+        port: TCP port of this machine, of the server or the broker.
+        on_written: Takes what clients write.
+
+    Raises:
+        InvalidInputError: the protocol's library is not installed, or the server's port is taken.
+    """
+
+    def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None: ...
 
     def set(self, values: Mapping[Channel, float]) -> None:
         """Give inputs of the robot values."""

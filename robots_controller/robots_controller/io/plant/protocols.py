@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Final, TypeAlias
 
-from robots_controller.io.bridge.place import Place
+from robots_controller.io.bridge.io_port import Place
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plant.modbus.modbus_map import ModbusServer
-from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
-from robots_controller.io.plant.opcua.opcua_map import OpcuaServer
+from robots_controller.io.plant.modbus import ModbusServer
+from robots_controller.io.plant.mqtt import MqttServer
+from robots_controller.io.plant.opcua import OpcuaServer
 from robots_core.files.yaml_section import YamlSection
 
 PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer

@@ -22,14 +22,6 @@ class MqttPlc:
 
     Inputs of the robot are retained messages, of which the value is all. Other messages than finite numbers
     and booleans are left out.
-
-    Args:
-        channels: Those that the script has.
-        port: TCP port of the broker on this machine.
-        on_written: Takes what is published for the outputs.
-
-    Raises:
-        InvalidInputError: paho-mqtt is not installed.
     """
 
     def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
-from robots_controller.io.plant.opcua.opcua_frames import start_guarded
+from robots_controller.io.plant.opcua_frames import start_guarded
 from robots_controller.io.plant.plant_link import library
 from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
 from robots_core.garbage import garbage_kept
@@ -17,16 +17,7 @@ NAMESPACE: Final = 'urn:robots:plc'
 
 
 class OpcuaPlc:
-    """See `PlcServer`; without encryption, and for anyone on this machine.
-
-    Args:
-        channels: Those that the script has.
-        port: TCP port of this machine.
-        on_written: Takes what clients write.
-
-    Raises:
-        InvalidInputError: asyncua is not installed, or the port is taken.
-    """
+    """See `PlcServer`; without encryption, and for anyone on this machine."""
 
     def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:
         self._forward = on_written

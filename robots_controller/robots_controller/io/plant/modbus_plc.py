@@ -13,8 +13,7 @@ from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.loop_thread import LoopThread
-from robots_controller.io.plant.modbus.modbus_link import decoded, encoded
-from robots_controller.io.plant.modbus.modbus_map import ModbusPlace
+from robots_controller.io.plant.modbus import ModbusPlace, decoded, encoded
 from robots_controller.io.plant.plant_link import library
 from robots_controller.io.plant.plc_server import HOST, OnWritten, check_port, served_sizes
 
@@ -28,16 +27,7 @@ WORDS: Final = NUMBER.size
 
 
 class ModbusPlc:
-    """See `PlcServer`.
-
-    Args:
-        channels: Those that the script has.
-        port: TCP port of this machine.
-        on_written: Takes what clients write.
-
-    Raises:
-        InvalidInputError: pymodbus is not installed, or the port is taken.
-    """
+    """See `PlcServer`."""
 
     def __init__(self, channels: Iterable[Channel], port: int, on_written: OnWritten) -> None:
         self._on_written = on_written

@@ -1,23 +1,191 @@
-"""MqttLink: a connection to an MQTT broker, by paho-mqtt."""
+"""MQTT in an I/O map: brokers, values in the JSON messages of a topic, and the connection, by paho-mqtt."""
 
 from __future__ import annotations
 
 import json
+import re
 import socket
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final, Self
 
-from robots_controller.io.bridge.io_port import Arrival, Number
-from robots_controller.io.bridge.place import Place
-from robots_controller.io.plant.mqtt.mqtt_map import MqttServer
+from robots_controller.io.bridge.io_port import Arrival, Number, Place, PlantPlace
+from robots_controller.io.io_image import Channel
+from robots_controller.io.number_kinds import read_kind
+from robots_controller.io.plant.credentials import Credentials, read_credentials
 from robots_controller.io.plant.plant_link import LinkError, library
 from robots_core.errors import InvalidInputError
+from robots_core.files.yaml_section import YamlSection
 
 CHECK_PERIOD: Final = 0.1  # s, how soon a connection that was lost is noticed
 SHOWN: Final = 60
 """Letters of a message that is not understood."""
+
+_INDEX: Final = re.compile(r'0|[1-9][0-9]*')
+_POINTER: Final = re.compile(r'(/([^~/]|~[01])*)*')
+
+
+@dataclass(frozen=True)
+class JsonPointer:
+    """Where a value stands in a document: '' is all of it, '/press/force' and '/axes/0' are parts.
+
+    Attributes:
+        text: As it was written.
+        steps: Names of members and indices of elements, from the outside in.
+    """
+
+    text: str
+    steps: tuple[str, ...]
+
+    @classmethod
+    def parse(cls, text: str) -> JsonPointer:
+        """The pointer of a text.
+
+        Raises:
+            InvalidInputError: not a pointer.
+        """
+        if not _POINTER.fullmatch(text):
+            raise InvalidInputError(
+                f"{text!r} is no JSON pointer; pointers are like '', /force or /axes/0/force"
+            )
+        return cls(text, tuple(step.replace('~1', '/').replace('~0', '~') for step in text.split('/')[1:]))
+
+    def get(self, document: Any) -> Any:
+        """The value in a document.
+
+        Raises:
+            InvalidInputError: the document has no such member or element.
+        """
+        value = document
+        for step in self.steps:
+            if isinstance(value, dict) and step in value:
+                value = value[step]
+            elif isinstance(value, list) and _INDEX.fullmatch(step) and int(step) < len(value):
+                value = value[int(step)]
+            else:
+                raise InvalidInputError(f'the message has no {step!r}, which {self.text} needs')
+        return value
+
+    def put(self, document: Any, value: Any) -> Any:
+        """A document of members alone, with the value in it; the document itself where the pointer is ''."""
+        if not self.steps:
+            return value
+        holder = document = document if isinstance(document, dict) else {}
+        for step in self.steps[:-1]:
+            holder = holder.setdefault(step, {})
+        holder[self.steps[-1]] = value
+        return document
+
+    def excludes(self, other: JsonPointer) -> bool:
+        """One of the two is a part of the other: a document of members cannot have both."""
+        shorter = min(len(self.steps), len(other.steps))
+        return self.steps[:shorter] == other.steps[:shorter]
+
+
+@dataclass(frozen=True)
+class MqttServer:
+    """An MQTT broker.
+
+    Attributes:
+        port: As of its places.
+        host: Its address.
+        tcp_port: Its port.
+        tls: The connection is encrypted.
+        client_id: Identifies the client at the broker; '' for a random one.
+        credentials: User and certificates.
+        keepalive: How often the broker is asked for a sign of life, s.
+        response_timeout: For connecting and for confirmations, s.
+    """
+
+    port: str
+    host: str
+    tcp_port: int
+    tls: bool
+    client_id: str
+    credentials: Credentials
+    keepalive: int
+    response_timeout: float
+    period: ClassVar[None] = None
+    """Of inputs whose row has none: the broker speaks by itself."""
+
+    @classmethod
+    def read(cls, section: YamlSection, port: str) -> Self:
+        """An entry of the section `mqtt`.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        tls = section.switch('tls', default=False)
+        made = cls(
+            port,
+            section.text('host'),
+            section.whole('port', 8883 if tls else 1883, low=1, high=65535),
+            tls,
+            section.text('client_id', ''),
+            read_credentials(section),
+            section.whole('keepalive', 10, low=1, high=3600),
+            section.number('response_timeout', 2.0, low=0.01, high=60.0),
+        )
+        for key in ('certificate', 'trusted'):
+            if getattr(made.credentials, key) and not tls:
+                raise section.error(f'{key} needs tls: true', key)
+        return made
+
+    def read_place(self, item: YamlSection, channel: Channel) -> MqttPlace:
+        """The keys below `mqtt` of a row.
+
+        Raises:
+            InvalidInputError: a key is missing or not valid; with file and line.
+        """
+        topic = item.text('topic')
+        if not topic or any(letter in topic for letter in '+#\0'):
+            raise item.error(f'{topic!r} is no topic; topics are like plant/press, without + and #', 'topic')
+        output = channel.direction == 'output'
+        if 'retain' in item and not output:
+            raise item.error('retain is not for inputs', 'retain')
+        return MqttPlace(
+            self.port,
+            read_kind(item, channel),
+            topic,
+            item.made('pointer', lambda value: JsonPointer.parse(str(value)))
+            if 'pointer' in item
+            else JsonPointer('', ()),
+            item.whole('qos', 1, low=0, high=2),
+            item.switch('retain', default=False),
+        )
+
+    def link(self, inputs: Mapping[Any, float], outputs: Iterable[Any]) -> MqttLink:
+        """See `MqttLink`."""
+        return MqttLink(self, inputs, outputs)
+
+
+@dataclass(frozen=True)
+class MqttPlace(PlantPlace):
+    """A value in the JSON messages of a topic.
+
+    Attributes:
+        topic: The topic.
+        pointer: The value in its messages.
+        qos: Of subscriptions and of messages, 0 to 2.
+        retain: The broker keeps the newest message for later subscribers.
+    """
+
+    topic: str
+    pointer: JsonPointer
+    qos: int
+    retain: bool
+
+    @property
+    def source(self) -> str:
+        """The topic: a broker that is there does not mean that its publisher is."""
+        return f'{self.topic} of {self.port}'
+
+    @property
+    def text(self) -> str:
+        """Topic and pointer."""
+        return f'{self.topic} {self.pointer.text}'.rstrip()
 
 
 class MqttLink:

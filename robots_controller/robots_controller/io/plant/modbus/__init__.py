@@ -1,1 +1,0 @@
-"""Modbus TCP: the client of an I/O map, and a scripted PLC that is a server."""
