@@ -17,10 +17,10 @@ from robots_controller.io.plant.opcua import MODES, POLICIES
 from robots_controller.io.plant.opcua_frames import start_guarded
 from robots_controller.opcua.address_space.node_writer import NAMESPACE
 from robots_controller.opcua.address_space.robot_nodes import RobotNodes
-from robots_controller.opcua.robot_port import RobotPort
 from robots_controller.opcua.server_access import NOBODY, ServerAccess
 from robots_controller.opcua.server_settings import ServerSettings
 from robots_controller.opcua.task_control import TaskControl
+from robots_controller.pendant.pendant_port import ProgramPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_core.errors import InvalidInputError
 from robots_core.free_port import free_port
@@ -48,7 +48,7 @@ class RobotServer:
     def __init__(
         self,
         robot: BaseRobotModel,
-        port: RobotPort,
+        port: ProgramPort,
         settings: ServerSettings,
         *,
         programs: Path,

@@ -7,7 +7,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Final
 
-from robots_controller.opcua.robot_port import RobotPort
+from robots_controller.pendant.pendant_port import ProgramPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.programs import program_files
 from robots_controller.program.run_state import RunState
@@ -65,7 +65,7 @@ class TaskControl:
 
     def __init__(
         self,
-        port: RobotPort,
+        port: ProgramPort,
         programs: Path,
         state: Callable[[], PendantState],
         log: Callable[[str], object],

@@ -1,4 +1,4 @@
-"""PendantPort: the cell, as the operator's page sees it."""
+"""The cell, as those who operate it see it: PendantPort of the operator's page, ProgramPort of others too."""
 
 from __future__ import annotations
 
@@ -14,8 +14,21 @@ from robots_core.errors import RobotsError
 from robots_core.validation import Array
 
 
-class PendantPort(Protocol):
-    """Commands of an operator. Methods of the second group wait for an answer and raise a RobotsError."""
+class ProgramPort(Protocol):
+    """Commands that wait for an answer; they raise a RobotsError if the cell refuses or does not answer."""
+
+    def call(self, service: str) -> None:
+        """Call a std_srvs/Trigger service of the cell, such as 'lua_program_node/run'."""
+
+    def open_program(self, path: str) -> None:
+        """Open a robot program."""
+
+    def set_io(self, channel: Channel, value: float) -> None:
+        """Give an output a value."""
+
+
+class PendantPort(ProgramPort, Protocol):
+    """Commands of an operator. Methods of the second group wait for an answer as those of `ProgramPort`."""
 
     def jog_axes(self, velocity: Array) -> None:
         """Jog the axes with velocities (n,), rad/s (m/s), for the planner's timeout."""
@@ -54,12 +67,6 @@ class PendantPort(Protocol):
 
     # -- with an answer -----------------------------------------------------------------------------------
 
-    def call(self, service: str) -> None:
-        """Call a std_srvs/Trigger service of the cell, such as 'lua_program_node/run'."""
-
-    def open_program(self, path: str) -> None:
-        """Open a robot program."""
-
     def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
         """Hold programs at these lines and no others, such as 'welding.lua:12'."""
 
@@ -71,9 +78,6 @@ class PendantPort(Protocol):
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the operating mode."""
-
-    def set_io(self, channel: Channel, value: float) -> None:
-        """Give an output a value."""
 
     def force(self, channel: Channel, value: float | None) -> None:
         """Force an input to a value; None releases it."""

@@ -10,7 +10,7 @@ from robots_core.ros.robot_node import RobotNode
 
 
 class ProgramLink:
-    """See `RobotPort`; safe from any thread but the node's own.
+    """See `ProgramPort`; safe from any thread but the node's own.
 
     Args:
         node: The node to call from; another thread spins it.
@@ -22,13 +22,13 @@ class ProgramLink:
         self._io = IoClient(self._services)
 
     def call(self, service: str) -> None:
-        """See `RobotPort`."""
+        """See `ProgramPort`."""
         self._services.trigger(service)
 
     def open_program(self, path: str) -> None:
-        """See `RobotPort`."""
+        """See `ProgramPort`."""
         open_program(self._services, path)
 
     def set_io(self, channel: Channel, value: float) -> None:
-        """See `RobotPort`."""
+        """See `ProgramPort`."""
         self._io[channel.name] = bool(value) if channel.kind == 'digital' else float(value)

@@ -10,8 +10,8 @@ from asyncua import ua
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.opcua.address_space.companion_types import Member
 from robots_controller.opcua.address_space.instances import Instances
-from robots_controller.opcua.robot_port import RobotPort
 from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.pendant_port import ProgramPort
 from robots_controller.pendant.pendant_state import ShownIo
 from robots_core.errors import InvalidInputError, NoAnswerError, RobotsError
 
@@ -63,7 +63,7 @@ class ChannelNodes:
         if channel.direction == 'output':  # for users that may operate
             await self._made.writer.server.get_node(node).set_writable()
 
-    async def take_written(self, port: RobotPort, nodes: list[Any], answers: list[Any]) -> list[str]:
+    async def take_written(self, port: ProgramPort, nodes: list[Any], answers: list[Any]) -> list[str]:
         """Pass on what a client has written; what is refused is answered so.
 
         Args:

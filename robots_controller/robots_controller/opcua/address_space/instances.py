@@ -9,7 +9,7 @@ from typing import Any, Final
 from asyncua import ua
 
 from robots_controller.opcua.address_space.companion_types import ENUMERATIONS, Member, all_members
-from robots_controller.opcua.address_space.node_writer import PARTS, NodeWriter, type_of_data
+from robots_controller.opcua.address_space.node_writer import PARTS, TYPE_ALONE, NodeWriter, type_of_data
 
 STRUCTURES: Final = {
     name.removeprefix('ua:').removesuffix('Type'): tuple(part for part, _, _ in PARTS[name])
@@ -23,7 +23,6 @@ CURRENT_STATE: Final = Member(
 )
 INACTIVE: Final = object()
 """Value of the states of a state machine that is not active."""
-TYPE_ALONE: Final = ('ua:StateType', 'ua:TransitionType')
 
 
 class Instances:

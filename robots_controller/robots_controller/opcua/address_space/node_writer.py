@@ -1,4 +1,4 @@
-"""NodeWriter: adds nodes with given numbers and names to a server's address space."""
+"""NodeWriter: adds the types of the specifications, and nodes of them, to a server's address space."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from robots_controller.opcua.address_space.companion_types import (
 
 NAMESPACE: Final = 'urn:robots:cell'
 """Of the nodes of the robot."""
+TYPE_ALONE: Final = ('ua:StateType', 'ua:TransitionType')
+"""Types of members that a type has, and its objects have not."""
 PARTS: Final[Mapping[str, tuple[tuple[str, Kind, str], ...]]] = {
     'ua:AnalogUnitType': (('EngineeringUnits', 'property', 'EUInformation'),),
     'ua:MultiStateValueDiscreteType': (
@@ -56,10 +58,58 @@ class NodeWriter:
         self.own = own
         self._indices: dict[str, int] = {'ua': 0}
 
-    async def add_namespaces(self) -> None:
-        """Register the namespaces of the specifications."""
+    async def add_types(self) -> None:
+        """Register the namespaces of the specifications, and add all their types that are used here."""
         self._indices['di'] = await self.server.register_namespace(DI)
         self._indices[''] = await self.server.register_namespace(ROBOTICS)
+        references = self.server.get_node(ua.ObjectIds.HierarchicalReferences)
+        for name, (_, inverse) in REFERENCE_TYPES.items():
+            await references.add_reference_type(
+                self.type_id(name), self.browse_name(name), symmetric=False, inversename=inverse
+            )
+        for name in ENUMERATIONS:
+            await self._add_enumeration(name)
+        for name, kind in OBJECT_TYPES.items():
+            attributes = ua.ObjectTypeAttributes()
+            attributes.IsAbstract = kind.abstract
+            await self._add_type(name, kind.base, attributes)
+        for name, kind in OBJECT_TYPES.items():
+            for member in kind.members:
+                await self._declare(name, self.type_id(name), member)
+
+    async def _add_type(self, name: str, base: str, attributes: Any) -> None:
+        await self.add(
+            self.type_id(name),
+            self.browse_name(name),
+            self.type_id(base),
+            attributes,
+            reference='ua:HasSubtype',
+        )
+
+    async def _declare(self, owner: str, parent: ua.NodeId, member: Member) -> None:
+        node, name = self.number(owner, member.number), self.browse_name(member.name)
+        if member.kind == 'method':
+            await self.add(node, name, parent, ua.MethodAttributes())
+        elif member.kind == 'object':
+            await self.add(node, name, parent, ua.ObjectAttributes(), type_name=member.type)
+        else:
+            await self.add_variable(node, name, parent, member)
+        if member.type not in TYPE_ALONE:
+            await self.server.get_node(node).set_modelling_rule(not member.optional)
+        for below in member.members:
+            await self._declare(owner, node, below)
+
+    async def _add_enumeration(self, name: str) -> None:
+        _, number, texts = ENUMERATIONS[name]
+        await self._add_type(name, 'ua:Enumeration', ua.DataTypeAttributes())
+        values = ua.Variant([ua.LocalizedText(text) for text in texts], ua.VariantType.LocalizedText)
+        await self.add_variable(
+            self.number(name, number),
+            ua.QualifiedName('EnumStrings'),
+            self.type_id(name),
+            Member('EnumStrings', number, 'property', 'ua:LocalizedText', is_list=True),
+            values,
+        )
 
     def browse_name(self, name: str) -> ua.QualifiedName:
         """The name of a member or type with its namespace."""

@@ -13,12 +13,10 @@ from asyncua import ua
 
 from robots_controller.opcua.address_space.channel_nodes import ChannelNodes
 from robots_controller.opcua.address_space.companion_types import DEVICE_SET, DI, Member
-from robots_controller.opcua.address_space.engineering_units import engineering_unit
 from robots_controller.opcua.address_space.instances import Instances
 from robots_controller.opcua.address_space.node_writer import NodeWriter
 from robots_controller.opcua.address_space.program_nodes import ProgramNodes
 from robots_controller.opcua.address_space.task_nodes import TaskNodes
-from robots_controller.opcua.address_space.type_nodes import add_types
 from robots_controller.opcua.server_settings import Nameplate
 from robots_controller.opcua.task_control import TaskControl
 from robots_controller.pendant.pendant_state import PendantState
@@ -40,6 +38,15 @@ MODES: Final = {
 }
 CONTROLLER_PARTS: Final = ('Components', 'ParameterSet', 'Programs', 'StartUpTime')
 """Optional ones that it has."""
+UNITS: Final = {
+    'rad': ('C81', 'radian'),
+    'm': ('MTR', 'metre'),
+    'rad/s': ('2A', 'radian per second'),
+    'm/s': ('MTS', 'metre per second'),
+    'kg': ('KGM', 'kilogram'),
+    '°C': ('CEL', 'degree Celsius'),
+}
+"""Codes of units (UNECE recommendation 20), and their names."""
 RANGE: Final = Member('ua:EURange', 0, 'property', 'ua:Range')
 LARGEST_RATE: Final = 65535  # of an UInt16
 LARGEST_DENOMINATOR: Final = 10_000
@@ -81,7 +88,7 @@ class RobotNodes:
         """Add all nodes but those of inputs and outputs, which are added when they are known."""
         made = self._made
         writer = made.writer
-        await add_types(writer)
+        await writer.add_types()
         device_set = ua.NodeId(DEVICE_SET, await writer.server.get_namespace_index(DI))
         await writer.add(
             device_set,
@@ -144,7 +151,7 @@ class RobotNodes:
             'SerialNumber': plate.serial_number,
             'ProductCode': plate.product_code,
             'MotionDeviceCategory': 'OTHER' if any(axes.prismatic) else 'ARTICULATED_ROBOT',
-            'FlangeLoad/Mass/EngineeringUnits': engineering_unit('kg'),
+            'FlangeLoad/Mass/EngineeringUnits': _unit('kg'),
         }
         await made.write_all(device, values)
         for index, name in enumerate(axes.names):
@@ -162,7 +169,7 @@ class RobotNodes:
         }
         for name, (quantity, low, high) in ranges.items():
             variable = f'{path}/ParameterSet/{name}'
-            await made.write(f'{variable}/EngineeringUnits', engineering_unit(axes.unit(index, quantity)))
+            await made.write(f'{variable}/EngineeringUnits', _unit(axes.unit(index, quantity)))
             await made.add_variable(f'{variable}/EURange', RANGE)
             await made.write(f'{variable}/EURange', ua.Range(Low=float(low), High=float(high)))
 
@@ -171,7 +178,7 @@ class RobotNodes:
         train = await made.add(path, 'PowerTrainType')
         await made.add(f'{path}/Motor', 'MotorType', optional=('EffectiveLoadRate',))
         temperature = f'{path}/Motor/ParameterSet/MotorTemperature'
-        await made.write(f'{temperature}/EngineeringUnits', engineering_unit('°C'))
+        await made.write(f'{temperature}/EngineeringUnits', _unit('°C'))
         ratio = float(self._robot.axes_data.gear_ratio[index])
         if np.isfinite(ratio):
             await made.add(f'{path}/Gear', 'GearType')
@@ -208,3 +215,13 @@ class RobotNodes:
         await self._task.build(made.id(self._device))
         await self.channels.build()
         await self._programs.build()
+
+
+def _unit(text: str) -> ua.EUInformation:
+    code, name = UNITS[text]
+    return ua.EUInformation(
+        NamespaceUri='http://www.opcfoundation.org/UA/units/un/cefact',
+        UnitId=int.from_bytes(code.encode(), 'big'),
+        DisplayName=ua.LocalizedText(text),
+        Description=ua.LocalizedText(name),
+    )
