@@ -9,7 +9,7 @@ from typing import Any
 
 from robots_controller.control.stops.faults import Fault
 from robots_controller.nodes.pendant_node import PendantNode
-from robots_controller.pendant.jog.held_button import STEP_KEY
+from robots_controller.pendant.jog.held_button import STEP_KEY, Sign
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
@@ -45,7 +45,7 @@ class OperatedCell(ProgramCell):
         actions: list[Action] = []
 
         def held() -> Any:
-            action = self.operator.hold(ME, self.presses, key, step=step)
+            action = self.operator.hold(Sign(ME, self.presses, key, step=step))
             actions.extend([] if action is None else [action])
             return action or condition()
 
@@ -74,7 +74,7 @@ class OperatedCell(ProgramCell):
         number, key = self.presses, f'{STEP_KEY}{step}'
 
         def held() -> Action | None:
-            return self.operator.hold(ME, number, key)
+            return self.operator.hold(Sign(ME, number, key))
 
         if self.wait(held, 'a step') is Action.PAUSE:
             self.operator.act(ME, Action.PAUSE)

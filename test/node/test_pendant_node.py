@@ -17,7 +17,7 @@ from std_msgs.msg import Float64
 
 from robots_controller.io.io_image import Channel
 from robots_controller.nodes.pendant_node import PendantNode
-from robots_controller.pendant.jog.held_button import MOVE_KEY, RUN_KEY
+from robots_controller.pendant.jog.held_button import MOVE_KEY, RUN_KEY, Sign
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
@@ -131,7 +131,7 @@ def test_jogging_is_refused_where_the_mode_excludes_it(cell: OperatedCell) -> No
     cell.set_mode(OperatingMode.AUTOMATIC)
     cell.presses += 1
     with pytest.raises(NotPermittedError, match='mode_excludes_pendant'):
-        cell.operator.hold(ME, cell.presses, 'axes 0 +')
+        cell.operator.hold(Sign(ME, cell.presses, 'axes 0 +'))
 
 
 def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
@@ -211,7 +211,7 @@ def test_a_program_that_cannot_be_opened_is_shown_and_no_other_runs_in_its_place
     program = cell.state.program
     assert (program.state, program.points_file) == (RunState.IDLE, str(broken.with_suffix('.points.yaml')))
     with pytest.raises(NotPermittedError, match='not_startable'):
-        cell.operator.hold(ME, cell.presses + 1, RUN_KEY)
+        cell.operator.hold(Sign(ME, cell.presses + 1, RUN_KEY))
     cell.presses += 1
     cell.program.set_parameters([Parameter('program', value=str(good))])  # which alone opens nothing
     (found,) = cell.operator.save_program(ME, broken.name, 'for\n', 'for i\n')
@@ -254,7 +254,7 @@ def test_a_fault_is_shown_and_reset(cell: OperatedCell) -> None:
     cell.wait(lambda: cell.state.fault, 'the fault')
     cell.presses += 1
     with pytest.raises(NotPermittedError, match='fault'):
-        cell.operator.hold(ME, cell.presses, 'axes 0 +')
+        cell.operator.hold(Sign(ME, cell.presses, 'axes 0 +'))
     cell.operator.act(ME, Action.RESET)
     cell.wait(lambda: not cell.state.fault, 'its end')
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from robots_controller.pendant.jog.held_button import Sign
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -52,4 +53,4 @@ class Desk:
 
     def hold(self, number: int = 1, key: str = JOG, *, after: float = 0.04, **options: Any) -> Action | None:
         self.time += after
-        return self.operator.hold(ME, number, key, **options)
+        return self.operator.hold(Sign(ME, number, key, **options))

@@ -18,7 +18,7 @@ from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
 from robots_core import Pose
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_planning.motion_settings import MotionSettings, frame_numbers
+from robots_planning.motion_settings import MotionSettings, frame, frame_numbers
 
 
 def with_program(state: RunState, **changes: Any) -> PendantState:
@@ -122,13 +122,13 @@ def test_a_tool_is_jogged_along_a_taught_frame(tmp_path: Path, name: str) -> Non
     program = ShownProgram(str(tmp_path / 'part.lua'), points_file=str(points))
     desk.operator.state = replace(READY, program=program, settings=base)
     desk.operator.teaching.teach(points, 'P1', np.array(desk.robot.home))
-    pose = desk.operator.jog_frames()[name]
+    pose = desk.operator.points()[name].pose if name else frame(base.base, 'base')
     expected = Pose(*desk.robot.direct_kinematics(desk.robot.home)) if name else turned
     np.testing.assert_allclose(pose.T, expected.T, atol=1e-12)
     for index in range(COMPONENTS):
         desk.hold(index, f'taught {index} +', taught=pose.T)
-        command, twist, frame = desk.cell.last
-        assert (command, frame) == ('jog_tool', 'base')
+        command, twist, axes = desk.cell.last
+        assert (command, axes) == ('jog_tool', 'base')
         seen = np.reshape(twist, (2, 3)) @ expected.T  # along the frame's own axes
         assert np.flatnonzero(np.abs(seen.ravel()) > 1e-12).tolist() == [index]
 
@@ -139,7 +139,7 @@ def test_a_broken_points_file_is_reported_with_its_line(tmp_path: Path) -> None:
     points.write_text('points:\n  P1: {q: [0,\n')
     desk.operator.state = replace(READY, program=ShownProgram('part.lua', points_file=str(points)))
     with pytest.raises(ProgramError, match=r'part\.points\.yaml:3:'):
-        desk.operator.jog_frames()
+        desk.operator.points()
 
 
 def test_a_sign_that_arrives_after_the_release_begins_nothing() -> None:

@@ -12,6 +12,7 @@ import pytest
 from pendant_desk import JOG, ME, READY, Desk
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
+from robots_controller.pendant.jog.held_button import Sign
 from robots_controller.pendant.pendant_operator import SERVICES
 from robots_controller.pendant.pendant_state import PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
@@ -40,7 +41,7 @@ def test_one_viewer_operates_and_another_one_takes_over_on_purpose() -> None:
     desk = Desk()
     desk.hold()
     with pytest.raises(NotPermittedError, match='controlled'):
-        desk.operator.hold(OTHER, 1, JOG)
+        desk.operator.hold(Sign(OTHER, 1, JOG))
     with pytest.raises(NotPermittedError, match='controlled'):
         desk.operator.take_control(OTHER)
     assert desk.cell.commanded().any()
@@ -51,7 +52,7 @@ def test_one_viewer_operates_and_another_one_takes_over_on_purpose() -> None:
     assert not desk.cell.commanded().any()
     with pytest.raises(NotPermittedError, match='controlled'):
         desk.hold(2)
-    desk.operator.hold(OTHER, 1, JOG)
+    desk.operator.hold(Sign(OTHER, 1, JOG))
     assert desk.cell.commanded().any()
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from robots_controller.control.stops.faults import Fault
-from robots_controller.pendant.channels import channel_label, found_channels
 from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
 from robots_controller.pendant.permissions import NotPermittedError
@@ -119,13 +118,13 @@ def test_only_the_newest_messages_are_kept() -> None:
 
 def test_channels_are_found_by_name_and_number() -> None:
     io = ShownIo({'digital_inputs': (0.0,) * 1000}, {'digital_inputs': ('', 'gripper_open', 'part_12')})
-    assert len(found_channels(io, 'digital_inputs', '')) == 1000
-    assert [one.index for one in found_channels(io, 'digital_inputs', 'GRIP')] == [2]
-    assert [one.index for one in found_channels(io, 'digital_inputs', ' 12 ')] == [3, 12]
-    assert found_channels(io, 'digital_inputs', 'nothing') == []
-    assert found_channels(io, 'analog_outputs', '') == []
-    assert channel_label(io, 'digital_input.2') == 'gripper_open'
-    assert [channel_label(io, f'digital_input.{one}') for one in (1, 4)] == [
+    assert len(io.found('digital_inputs')) == 1000
+    assert [one.index for one in io.found('digital_inputs', 'GRIP')] == [2]
+    assert [one.index for one in io.found('digital_inputs', ' 12 ')] == [3, 12]
+    assert io.found('digital_inputs', 'nothing') == []
+    assert io.found('analog_outputs') == []
+    assert io.label('digital_input.2') == 'gripper_open'
+    assert [io.label(f'digital_input.{one}') for one in (1, 4)] == [
         'digital_input.1',
         'digital_input.4',
     ]

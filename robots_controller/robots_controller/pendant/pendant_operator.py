@@ -17,7 +17,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.measuring.frame_measuring import Sequence as Touched
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.jog.held_button import HeldButton, standing
+from robots_controller.pendant.jog.held_button import HeldButton, Sign, standing
 from robots_controller.pendant.jog.jog_prediction import JogPrediction, PredictedStop
 from robots_controller.pendant.jog.pendant_motion import Preview, Way, motion_preview, target_command
 from robots_controller.pendant.message_log import MessageLog
@@ -35,10 +35,8 @@ from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError
 from robots_core.files.user_file import read_text
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, one_of
-from robots_planning.motion_settings import frame
+from robots_core.validation import one_of
 from robots_planning.pathplanning import PathPlanning
 
 MOST_PRINTS: Final = 500
@@ -115,31 +113,9 @@ class PendantOperator:
 
     # -- what is held -------------------------------------------------------------------------------------
 
-    def hold(
-        self,
-        viewer: str,
-        number: int,
-        key: str,
-        speed: float = 1.0,
-        step: float = 0.0,
-        *,
-        taught: Array | None = None,
-    ) -> Action | None:
+    def hold(self, sign: Sign) -> Action | None:
         """A viewer holds a button; see `HeldButton.hold`. What it returns is to be given to `act`."""
-        preview = self._previews.get(viewer)
-        return self.held.hold(
-            viewer, number, key, self.state, speed=speed, step=step, preview=preview, taught=taught
-        )
-
-    def jog_frames(self) -> dict[str, Pose]:
-        """Frames to jog in, in the robot's base: '' is the base of the program, the others are its points.
-
-        Raises:
-            RobotsError: the points file is not valid.
-        """
-        points = self.points()
-        base = frame(self.state.settings.base, 'base')
-        return {'': base, **{name: points[name].pose for name in sorted(points)}}
+        return self.held.hold(sign, self.state, self._previews.get(sign.viewer))
 
     def release(self, viewer: str) -> None:
         """A viewer has released what it held, or the connection to it is lost."""

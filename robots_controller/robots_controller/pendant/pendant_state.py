@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from robots_controller.control.stops.faults import Fault
+from robots_controller.io.io_image import Channel, Direction, Kind
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import NOTHING, Payload
@@ -80,6 +81,28 @@ class ShownIo:
     values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     forced: frozenset[str] = frozenset()
+
+    def found(self, image: str, part: str = '') -> list[Channel]:
+        """Channels of an image whose name or number contains a part; '' finds all.
+
+        Args:
+            image: One of `IMAGES`.
+            part: A number finds the channels with just that number or a name that contains it.
+        """
+        kind: Kind = 'digital' if image.startswith('digital') else 'analog'
+        direction: Direction = 'input' if image.endswith('inputs') else 'output'
+        labels, wanted = self.labels.get(image, ()), part.strip().casefold()
+        channels = [
+            Channel(kind, direction, index, labels[index - 1] if index <= len(labels) else '')
+            for index in range(1, len(self.values.get(image, ())) + 1)
+        ]
+        return [one for one in channels if wanted in one.label.casefold() or wanted in ('', str(one.index))]
+
+    def label(self, name: str) -> str:
+        """The name that a channel such as 'digital_input.3' has in the cell; its own where it has none."""
+        image, _, number = name.partition('.')
+        labels = self.labels.get(f'{image}s', ())
+        return (labels[int(number) - 1] if int(number) <= len(labels) else '') or name
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from typing import Final
 import numpy as np
 
 from robots_controller.io.io_image import IMAGES
-from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
@@ -115,7 +114,7 @@ class Trends:
         yield Signal('tool_speed', '', 'mm/s')
         yield Signal('distance', '', 'mm')
         for image in IMAGES:
-            for channel in found_channels(io, image, '')[:MOST_CHANNELS]:
+            for channel in io.found(image)[:MOST_CHANNELS]:
                 yield Signal(channel.name, f'{channel.index} {channel.label}'.strip(), '')
 
     def _sample(self, state: PendantState) -> Iterator[float]:

@@ -10,7 +10,6 @@ from asyncua import ua
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.opcua.address_space.companion_types import Member
 from robots_controller.opcua.address_space.instances import Instances
-from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.pendant_port import ProgramPort
 from robots_controller.pendant.pendant_state import ShownIo
 from robots_core.errors import InvalidInputError, NoAnswerError, RobotsError
@@ -40,7 +39,7 @@ class ChannelNodes:
             return
         self._written = io
         for image in IMAGES:
-            for channel in found_channels(io, image, ''):
+            for channel in io.found(image):
                 path = self._path_of(channel)
                 if self._made.id(path) not in self._channels:
                     await self._add(path, channel)

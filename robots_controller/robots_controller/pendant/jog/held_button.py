@@ -30,6 +30,36 @@ LARGEST_STEP: Final = 0.5  # rad, m
 DEADLINE: Final = 0.2  # s between two signs of one press, after which it has ended
 
 
+@dataclass(frozen=True, eq=False)
+class Sign:
+    """A sign that a viewer holds a button.
+
+    Attributes:
+        viewer: Who.
+        number: Of the press: each of a viewer has a higher one than that before.
+        key: Of the button, see `JogCommand.from_key`, RUN_KEY, MOVE_KEY or STEP_KEY.
+        speed: Part of the highest jog speed, 0..1.
+        step: Size of a step, rad or m; 0 jogs as long as the button is held.
+        taught: Orientation of the taught frame to jog in, in the robot's base, (3, 3).
+    """
+
+    viewer: str
+    number: int
+    key: str
+    speed: float = 1.0
+    step: float = 0.0
+    taught: Array | None = None
+
+    @property
+    def action(self) -> Action:
+        """What the button does."""
+        if self.key == RUN_KEY:
+            return Action.HOLD_RUN
+        if self.key.startswith(STEP_KEY):
+            return Action.STEP
+        return Action.MOVE if self.key == MOVE_KEY or self.step != 0.0 else Action.JOG
+
+
 @dataclass
 class _Held:
     """One press of a viewer, as a stream of signs that the button is still held.
@@ -97,31 +127,15 @@ class HeldButton:
         """Who holds it; '' for nobody."""
         return '' if self._held is None else self._held.viewer
 
-    def hold(
-        self,
-        viewer: str,
-        number: int,
-        key: str,
-        state: PendantState,
-        *,
-        speed: float = 1.0,
-        step: float = 0.0,
-        preview: Preview | None = None,
-        taught: Array | None = None,
-    ) -> Action | None:
+    def hold(self, sign: Sign, state: PendantState, preview: Preview | None = None) -> Action | None:
         """Take a sign that a viewer holds a button.
 
         Signs that arrive after the release of their press, or after the begin of a newer one, do nothing.
 
         Args:
-            viewer: Who.
-            number: Of the press: each of a viewer has a higher one than that before.
-            key: Of the button, see `JogCommand.from_key`, RUN_KEY, MOVE_KEY or STEP_KEY.
+            sign: The sign.
             state: The newest of the cell.
-            speed: Part of the highest jog speed, 0..1.
-            step: Size of a step, rad or m; 0 jogs as long as the button is held.
             preview: The motion of MOVE_KEY.
-            taught: Orientation of the taught frame to jog in, in the robot's base, (3, 3).
 
         Returns:
             The action to do now: what is held starts the program.
@@ -130,28 +144,27 @@ class HeldButton:
             NotPermittedError: when the press begins, or because of what has happened since.
             InvalidInputError: no such button or step.
         """
-        now, held, action = self._now(), self._held, _action(key, step)
-        if held is None or (held.viewer, held.number) != (viewer, number):
-            held = self._begin(_Held(viewer, number, now, _start(state)), action)
+        now, held, action = self._now(), self._held, sign.action
+        if held is None or (held.viewer, held.number) != (sign.viewer, sign.number):
+            held = self._begin(_Held(sign.viewer, sign.number, now, _start(state)), action)
         if held is None or held.over:
             return None
         if not held.hold(now):
             self._stop(held)
             return None
         try:
-            self._check(viewer, action)
+            self._check(sign.viewer, action)
             if action is Action.HOLD_RUN:
                 self._hold_run(held)
                 return held.start if _first_enabled(held, state) else None
             if action is Action.STEP:
                 return self._step(held, state)
-            jog = None if key == MOVE_KEY else JogCommand.from_key(key, speed, self._robot.num_axes, taught)
-            if jog is None or action is Action.MOVE:
-                if not held.started:
-                    self._move(held, self._command(jog, state, step, preview))
-                self._port.hold_run(held=True)
-            else:
-                self._jog(held, jog, state)
+            if action is Action.JOG:
+                self._jog(held, self._jog_command(sign), state)
+                return None
+            if not held.started:
+                self._move(held, self._motion(sign, state, preview))
+            self._port.hold_run(held=True)
         except RobotsError:
             held.over = True
             self._stop(held)
@@ -208,13 +221,15 @@ class HeldButton:
         self._port.hold_run(held=False)
         self._port.end_move()
 
-    def _command(
-        self, jog: JogCommand | None, state: PendantState, step: float, preview: Preview | None
-    ) -> MotionCommand:
-        if jog is None:
+    def _jog_command(self, sign: Sign) -> JogCommand:
+        return JogCommand.from_key(sign.key, sign.speed, self._robot.num_axes, sign.taught)
+
+    def _motion(self, sign: Sign, state: PendantState, preview: Preview | None) -> MotionCommand:
+        if sign.key == MOVE_KEY:
             if preview is None:
                 raise NotPermittedError('no_preview')
             return preview.command
+        jog, step = self._jog_command(sign), sign.step
         if not 0.0 < step <= LARGEST_STEP:
             raise InvalidInputError(f'step = {step:g} must be above 0, at most {LARGEST_STEP:g} (rad or m)')
         return step_command(self._robot, jog, step, standing(self._port, state), state)
@@ -241,14 +256,6 @@ def standing(port: PendantPort, state: PendantState) -> Array:
     if q is None:
         raise NotPermittedError('no_position')
     return q
-
-
-def _action(key: str, step: float) -> Action:
-    if key == RUN_KEY:
-        return Action.HOLD_RUN
-    if key.startswith(STEP_KEY):
-        return Action.STEP
-    return Action.MOVE if key == MOVE_KEY or step != 0.0 else Action.JOG
 
 
 def _first_enabled(held: _Held, state: PendantState) -> bool:

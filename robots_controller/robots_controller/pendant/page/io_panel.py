@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -10,14 +10,13 @@ from typing import Final
 from nicegui import ui
 
 from robots_controller.io.io_image import Channel
-from robots_controller.pendant.channels import found_channels
 from robots_controller.pendant.page.elements import Changes, icon_button, mark, show_text
-from robots_controller.pendant.page.plc_line import PlcLine
 from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
 from robots_controller.pendant.permissions import Action
 
 MOST_ROWS: Final = 16  # of each image
+MOST_PENDING: Final = 3  # changes by a scripted PLC
 # The lamp that the person saw: the output may have changed since.
 WAS_ON: Final = """(event) => emit(
     event.currentTarget.closest('.channel').querySelector('.lamp').classList.contains('on'))"""
@@ -42,6 +41,39 @@ class _Row:
         mark(self.lamp, 'on', on=digital and bool(value))
         if self.forced is not None:
             self.forced.set_visibility(forced)
+
+
+class PlcLine(Part):
+    """The file of the PLC, its state, and what it will do next; nothing where none is played."""
+
+    def __init__(self, viewer: Viewer) -> None:
+        super().__init__(viewer)
+        self._label = ui.label().classes('plc number')
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        plc = state.plc
+        self._label.set_visibility(bool(plc.script))
+        if not plc.script:
+            return
+        if plc.lost:
+            does = self.text('plc.lost')
+        elif plc.error:
+            does = self.text('plc.error', error=plc.error)
+        else:
+            does = '; '.join(self._pending(state)) or self.text('plc.waits')
+        self._label.set_text(f'{self.text("plc.name", script=plc.script)}: {does}')
+        mark(self._label, 'wrong', on=plc.lost or bool(plc.error))
+
+    def _pending(self, state: PendantState) -> Iterator[str]:
+        now = self.operator.now()
+        for time, line, inputs in state.plc.pending[:MOST_PENDING]:
+            left, what = f'{max(0.0, time - now):.1f}', _inputs(inputs, state.io)
+            yield self.text('plc.pending', time=left, what=what, line=line)
+
+
+def _inputs(values: Mapping[str, float], io: ShownIo) -> str:
+    return ', '.join(f'{io.label(name)} = {value:g}' for name, value in values.items())
 
 
 class IoPanel(Part):
@@ -87,7 +119,7 @@ class IoPanel(Part):
                         self._build_image(io, f'{kind}_{direction}s', part)
 
     def _build_image(self, io: ShownIo, image: str, part: str) -> None:
-        found = found_channels(io, image, part)
+        found = io.found(image, part)
         ui.label(self.text(f'io.{image.partition("_")[0]}')).classes('subtitle')
         more = [channel for channel in found[MOST_ROWS:] if channel.name in io.forced]
         self._rows += [self._build_row(channel) for channel in [*found[:MOST_ROWS], *more]]

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import numpy as np
 from nicegui import ui
 
 from robots_controller.pendant.jog.jog_command import JOG_FRAMES
-from robots_controller.pendant.page.elements import choices, mark
-from robots_controller.pendant.page.frame_choice import FrameChoice
+from robots_controller.pendant.page.elements import Changes, Choice, choices, mark
 from robots_controller.pendant.page.target_panel import TargetPanel
 from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import Texts
+from robots_controller.program.files.taught_points import TaughtPoint
+from robots_core.errors import RobotsError
+from robots_core.files.user_file import when_written
 from robots_core.orientation import angles_from_orientation
+from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.guidance.jogging import NOT_FOLLOWING
 from robots_planning.guidance.teach_box import OUT_OF_REACH
+from robots_planning.motion_settings import frame
 
 SPEEDS: Final = (1, 3, 10, 30, 100)  # %
 FIRST_SPEED: Final = 10  # %
@@ -59,6 +64,52 @@ class _Row:
         if part is not None:
             self._bar.style(f'left: {100.0 * part:.1f}%')
         mark(self._bar, 'near', on=near)
+
+
+class FrameChoice(Part):
+    """The base of the program, or one of its taught points, as its points file has them now.
+
+    Args:
+        viewer: Its page.
+        refused: Gets why the points cannot be read.
+    """
+
+    def __init__(self, viewer: Viewer, refused: Callable[[str], None]) -> None:
+        super().__init__(viewer)
+        self._refused = refused
+        self._poses: dict[str, Pose] = {}
+        self._changed = Changes()
+        self._base = viewer.texts('jog.program_base')
+        self.element = (
+            Choice({'': self._base}, value='')
+            .when_opened(self._read)
+            .props(f'dense outlined options-dense label="{viewer.texts("jog.frame")}"')
+            .classes('frame')
+        )
+
+    @property
+    def pose(self) -> Pose:
+        """The frame that is chosen, in the robot's base."""
+        if self.element.value and self._changed(*self._state()):
+            self.element.show(self._read())
+        base = frame(self.operator.state.settings.base, 'base')
+        return self._poses.get(str(self.element.value), base) if self.element.value else base
+
+    def _state(self) -> tuple[object, ...]:
+        """Another one after each change of the points."""
+        file = self.operator.state.program.points_file
+        return file, when_written(file)
+
+    def _read(self) -> dict[str, str]:
+        self._refused('')
+        self._changed(*self._state())
+        points: Mapping[str, TaughtPoint] = {}
+        try:
+            points = self.operator.points()
+        except RobotsError as error:
+            self._refused(self.text.error(error))
+        self._poses = {name: points[name].pose for name in sorted(points)}
+        return {'': self._base, **{name: name for name in self._poses}}
 
 
 class JogPanel(Part):

@@ -17,7 +17,7 @@ from nicegui import ui
 from nicegui.events import GenericEventArguments
 from nicegui.language import Language
 
-from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY, Sign
 from robots_controller.pendant.page.access.origin_guard import SCENE
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
@@ -132,9 +132,8 @@ class PendantPage:
             self._taught = self._jog.taught
         try:
             jog = self._jog
-            action = self._operator.hold(
-                self._viewer.id, number, key, jog.speed, jog.step(key), taught=self._taught
-            )
+            sign = Sign(self._viewer.id, number, key, jog.speed, jog.step(key), self._taught)
+            action = self._operator.hold(sign)
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
             return None
@@ -178,6 +177,7 @@ class PendantPage:
         self._pending.set_text(str(pending))
         self._pending.set_visibility(bool(pending))
         self._panel(str(self._tabs.value)).refresh(state)
+        self._viewer.show_permitted()
 
     def _refresh_with_scene(self) -> None:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""

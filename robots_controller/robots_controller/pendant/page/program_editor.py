@@ -35,7 +35,7 @@ class ProgramEditor(Part):
         with ui.element('div').classes('editor') as self.element:
             self._place = ui.element('div').classes('text')
             with ui.element('div').classes('row-of-buttons'):
-                self._save_button = ActionButton(viewer, Action.EDIT, text('edit.save'), 'save', self._save)
+                ActionButton(viewer, Action.EDIT, text('edit.save'), 'save', self._save)
                 text_button(text('edit.discard'), 'close', self.close)
         self._code: ui.codemirror | None = None
         self.element.set_visibility(False)
@@ -78,7 +78,3 @@ class ProgramEditor(Part):
         self._code = None
         self._place.clear()
         self.element.set_visibility(False)
-
-    def refresh(self) -> None:
-        """Show whether saving is permitted."""
-        self._save_button.refresh()

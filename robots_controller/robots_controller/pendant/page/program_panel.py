@@ -15,8 +15,7 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import LuaLexer
 
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
-from robots_controller.pendant.page.choice import Choice
-from robots_controller.pendant.page.elements import Changes, held_button, mark, show_text
+from robots_controller.pendant.page.elements import Changes, Choice, held_button, mark, show_text
 from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
@@ -63,7 +62,7 @@ class ProgramPanel(Part):
                     .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
-                self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
+                ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
                 with held_button(RUN_KEY, 'play_arrow', text('program.hold')) as self._hold:
                     ui.tooltip(text('program.hold_hint'))
@@ -80,9 +79,7 @@ class ProgramPanel(Part):
             self._error = ui.label().classes('refusal')
             with ui.element('div').classes('row-of-buttons changed') as self._changed:
                 self._change = ui.label().classes('hint warned')
-                self._again = ActionButton(
-                    viewer, Action.OPEN, text('program.open_again'), 'refresh', self._open_again
-                )
+                ActionButton(viewer, Action.OPEN, text('program.open_again'), 'refresh', self._open_again)
             self._source = ui.html('', sanitize=False).classes('source').props('id=source')
             self._editor = ProgramEditor(viewer, self.line, self._end_edit)
             ui.on('pendant_cursor', lambda event: self._put_cursor(int(event.args)))
@@ -125,17 +122,13 @@ class ProgramPanel(Part):
         held = state.run_is_held
         self._hold.set_visibility(held)
         mark(self._hold, 'blocked', on=bool(self.viewer.reason(Action.HOLD_RUN)))
-        for action, button in self._buttons.items():
-            button.refresh()
-            if action in HELD:
-                button.element.set_visibility(not held)
+        for action in HELD:
+            self._buttons[action].element.set_visibility(not held)
         program = state.program
         show_text(self._error, program.error)
         self._show_source(state)
         self._show_change(state)
         self._teach.refresh(state)
-        self._edit.refresh()
-        self._editor.refresh()
         background_tasks.create(self._held.refresh(state))
         mark(self._steps, 'blocked', on=bool(self.viewer.reason(Action.STEP)))
         marks = {
@@ -184,7 +177,6 @@ class ProgramPanel(Part):
         file = Path(program.path).name
         self._changed.set_visibility(program.written not in (0, when_written(program.path)))
         self._change.set_text(self.text('program.changed', file=file))
-        self._again.refresh()
 
     def _show_choice(self, path: str) -> None:
         listed = Path(path).is_relative_to(self._folder)

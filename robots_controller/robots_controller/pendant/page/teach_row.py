@@ -8,8 +8,7 @@ from typing import Final
 
 from nicegui import ui
 
-from robots_controller.pendant.page.choice import Choice
-from robots_controller.pendant.page.elements import Changes, show_text
+from robots_controller.pendant.page.elements import Changes, Choice, show_text
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -48,17 +47,15 @@ class TeachRow(Part):
                 .props(f'dense outlined options-dense label="{text("teach.point")}"')
                 .classes('point')
             )
-            self._buttons = [self._button(Action.TEACH, 'here', 'add_location', self._teach)]
-            self._buttons += [
-                self._button(Action.EDIT, motion, ICONS[motion], partial(self._insert, motion))
-                for motion in MOTIONS
-            ]
-            self._buttons.append(self._button(Action.EDIT, 'undo', 'undo', self._undo))
+            self._build_button(Action.TEACH, 'here', 'add_location', self._teach)
+            for motion in MOTIONS:
+                self._build_button(Action.EDIT, motion, ICONS[motion], partial(self._insert, motion))
+            self._build_button(Action.EDIT, 'undo', 'undo', self._undo)
         self._hint = ui.label().classes('hint')
         show_text(self._hint, '')
 
-    def _button(self, action: Action, key: str, icon: str, press: Callable[[], object]) -> ActionButton:
-        return ActionButton(self.viewer, action, self.text(f'teach.{key}'), icon, press)
+    def _build_button(self, action: Action, key: str, icon: str, press: Callable[[], object]) -> None:
+        ActionButton(self.viewer, action, self.text(f'teach.{key}'), icon, press)
 
     async def _teach(self) -> None:
         name = str(self._name.value or '') or self._free()
@@ -107,8 +104,6 @@ class TeachRow(Part):
 
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
-        for button in self._buttons:
-            button.refresh()
         file = state.program.points_file
         if self._changed(file, when_written(file)):
             self._show_points(str(self._name.value or ''))

@@ -7,9 +7,7 @@ from typing import Final
 
 from nicegui import ui
 
-from robots_controller.pendant.channels import channel_label
-from robots_controller.pendant.page.choice import Choice
-from robots_controller.pendant.page.elements import icon_button, mark
+from robots_controller.pendant.page.elements import Choice, icon_button, mark
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -63,7 +61,7 @@ class TopBar(Part):
         with ui.element('div').classes('strip') as self._strip:
             ui.icon('report')
             self._fault = ui.label()
-            self._reset = ActionButton(
+            ActionButton(
                 viewer,
                 Action.RESET,
                 text('bar.reset'),
@@ -176,11 +174,10 @@ class TopBar(Part):
         self._strip.set_visibility(bool(state.fault))
         if state.fault:
             self._fault.set_text(self.text('bar.fault', fault=self.text.fault(state.fault_kind, state.fault)))
-            self._reset.refresh()
 
     def _show_forced(self, state: PendantState) -> None:
         """All forced inputs, whatever is in front."""
-        names = (channel_label(state.io, name) for name in sorted(state.io.forced))
+        names = (state.io.label(name) for name in sorted(state.io.forced))
         self._forced_strip.set_visibility(bool(state.io.forced))
         self._forced.set_text(self.text('bar.forced', inputs=', '.join(names)))
 

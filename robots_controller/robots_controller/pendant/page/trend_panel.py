@@ -7,8 +7,7 @@ from typing import Any, Final
 
 from nicegui import ui
 
-from robots_controller.pendant.page.choice import Choice
-from robots_controller.pendant.page.elements import choices, mark, show_text
+from robots_controller.pendant.page.elements import Choice, choices, mark, show_text
 from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.trends import LONGEST, Signal

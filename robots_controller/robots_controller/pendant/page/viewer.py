@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar
 
@@ -50,6 +50,7 @@ class Viewer:
         refresh: Shows the newest state on it.
         folder: Of the robot programs.
         address: Of its browser.
+        buttons: For actions; see `show_permitted`.
     """
 
     id: str
@@ -58,6 +59,7 @@ class Viewer:
     refresh: Callable[[], None]
     folder: Path
     address: str = ''
+    buttons: list[ActionButton] = field(default_factory=list)
 
     async def do(
         self, line: RefusalLine, work: Callable[..., T], *values: Any, **named: Any
@@ -92,6 +94,12 @@ class Viewer:
             return self.texts.error(error)
         return ''
 
+    def show_permitted(self) -> None:
+        """Show at all buttons for actions whether these are permitted."""
+        reasons = {action: self.reason(action) for action in {one.action for one in self.buttons}}
+        for button in self.buttons:
+            button.show(reasons[button.action])
+
 
 class Part:
     """A part of a page.
@@ -119,14 +127,14 @@ class ActionButton(Part):
         self, viewer: Viewer, action: Action, text: str, icon: str, press: Callable[[], object]
     ) -> None:
         super().__init__(viewer)
-        self._action, self._changed = action, Changes()
+        self.action, self._changed = action, Changes()
         self.element = text_button(text, icon, press)
         with self.element:
             self._tooltip = ui.tooltip()
+        viewer.buttons.append(self)
 
-    def refresh(self) -> None:
-        """Show whether it is permitted."""
-        reason = self.viewer.reason(self._action)
+    def show(self, reason: str) -> None:
+        """Show why it is not permitted; '' if it is."""
         if self._changed(reason):
             mark(self.element, 'blocked', on=bool(reason))
             self.element.props(f'aria-disabled={"true" if reason else "false"}')

@@ -45,10 +45,8 @@ class Guide(Part, ABC):
             self.build()
             with ui.element('div').classes('row-of-buttons saved-frame'):
                 self._name = ui.input(text('frames.name')).props('dense outlined').classes('point')
-                self._buttons = [
-                    ActionButton(viewer, Action.TEACH, text('frames.save'), 'save', self._save),
-                    ActionButton(viewer, Action.TEACH, text('frames.undo'), 'undo', self._undo),
-                ]
+                ActionButton(viewer, Action.TEACH, text('frames.save'), 'save', self._save)
+                ActionButton(viewer, Action.TEACH, text('frames.undo'), 'undo', self._undo)
             self._said = ui.label().classes('hint')
             show_text(self._said, '')
 
@@ -72,8 +70,6 @@ class Guide(Part, ABC):
 
     def refresh(self) -> None:
         """Show what was measured, and the names that the file has."""
-        for button in self._buttons:
-            button.refresh()
         file = self.file()
         if self._file_changed(file, when_written(file)):
             self.frames = self._read(file)

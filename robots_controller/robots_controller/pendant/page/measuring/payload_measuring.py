@@ -23,13 +23,11 @@ class PayloadMeasuring(Guide):
         text = self.text
         self._found: IdentifiedPayload | None = None
         with ui.element('div').classes('row-of-buttons'):
-            self._presses = [
+            for key, icon, press in (
+                ('record', 'fiber_manual_record', self._record),
+                ('evaluate', 'functions', self._evaluate),
+            ):
                 ActionButton(self.viewer, Action.OVERRIDE, text(f'frames.{key}'), icon, press)
-                for key, icon, press in (
-                    ('record', 'fiber_manual_record', self._record),
-                    ('evaluate', 'functions', self._evaluate),
-                )
-            ]
             self._duration = ui.label().classes('number')
         self._shown = ui.label().classes('found number')
         self._show(None)
@@ -81,8 +79,6 @@ class PayloadMeasuring(Guide):
     def refresh(self) -> None:
         """See `Guide`."""
         super().refresh()
-        for button in self._presses:
-            button.refresh()
         recording = self.operator.motion
         self._duration.set_text(self.text('frames.recorded', duration=f'{recording.duration:.0f}'))
         mark(self._duration, 'recording', on=recording.running)

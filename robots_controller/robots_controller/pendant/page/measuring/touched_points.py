@@ -33,13 +33,11 @@ class TouchedPoints(Part):
         with ui.element('div').classes('sequence'):
             self._rows = ui.element('div').classes('touched-points')
             with ui.element('div').classes('row-of-buttons'):
-                self._buttons = [
+                for key, icon, press in (
+                    ('touch', 'ads_click', lambda: viewer.do(line, operator.touch, kind)),
+                    ('again', 'restart_alt', lambda: self._do(partial(measuring.clear, kind))),
+                ):
                     ActionButton(viewer, Action.TEACH, text(f'frames.{key}'), icon, press)
-                    for key, icon, press in (
-                        ('touch', 'ads_click', lambda: viewer.do(line, operator.touch, kind)),
-                        ('again', 'restart_alt', lambda: self._do(partial(measuring.clear, kind))),
-                    )
-                ]
 
     def _do(self, step: Callable[[], None]) -> Awaitable[object]:
         return self.viewer.do(self._line, self.operator.measure, step)
@@ -51,8 +49,6 @@ class TouchedPoints(Part):
             names: Of all points, one for each row.
             details: Of the touched ones; 'touched' by default.
         """
-        for button in self._buttons:
-            button.refresh()
         count = len(self.operator.measuring.points[self._kind])
         if not self._changed(count, *names, *details):
             return
