@@ -61,7 +61,7 @@ def choices(options: dict[Any, str], first: object, chosen: Callable[[], object]
     return ui.toggle(options, value=first, on_change=chosen).props('unelevated no-caps')
 
 
-class Choice(ui.select):
+class Choice(ui.select, default_props='dense outlined options-dense'):
     """A list in which a person chooses the entry that the browser has shown.
 
     The browser sends the index of an entry and its text. The index is that of another entry if the list has

@@ -70,7 +70,6 @@ class FrameChoice(Part):
     """The base of the program, or one of its taught points, as its points file has them now.
 
     Args:
-        viewer: Its page.
         refused: Gets why the points cannot be read.
     """
 
@@ -80,12 +79,8 @@ class FrameChoice(Part):
         self._poses: dict[str, Pose] = {}
         self._changed = Changes()
         self._base = viewer.texts('jog.program_base')
-        self.element = (
-            Choice({'': self._base}, value='')
-            .when_opened(self._read)
-            .props(f'dense outlined options-dense label="{viewer.texts("jog.frame")}"')
-            .classes('frame')
-        )
+        self.element = Choice({'': self._base}, value='', label=viewer.texts('jog.frame'))
+        self.element.when_opened(self._read).classes('frame')
 
     @property
     def pose(self) -> Pose:

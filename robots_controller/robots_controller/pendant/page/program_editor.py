@@ -18,7 +18,6 @@ class ProgramEditor(Part):
     """An editor that opens with a text, and closes when it is saved or given up.
 
     Args:
-        viewer: Its page.
         line: Says why something is refused.
         closed: Called with what is wrong with the program that was saved; None if nothing was saved.
     """

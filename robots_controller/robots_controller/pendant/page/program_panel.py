@@ -56,10 +56,9 @@ class ProgramPanel(Part):
         with ui.element('div').classes('panel program-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
-                    Choice(program_files(self._folder), with_input=True)
+                    Choice(program_files(self._folder), label=text('program.choose'), with_input=True)
                     .when_chosen(self._open)
                     .when_opened(lambda: program_files(self._folder))
-                    .props(f'dense outlined options-dense label="{text("program.choose")}"')
                     .classes('wide')
                 )
                 ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)

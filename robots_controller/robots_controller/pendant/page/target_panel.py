@@ -23,7 +23,6 @@ class TargetPanel(Part):
     """Fields for a target, and the buttons to preview it and to move there.
 
     Args:
-        viewer: Its page.
         speed: Gives the part of the highest jog speed, 0..1.
         line: Says why a target is refused.
     """

@@ -23,7 +23,6 @@ class TeachRow(Part):
     """A field for a point's name, and buttons that teach it and insert a motion to it.
 
     Args:
-        viewer: Its page.
         line: Says why something is refused.
         cursor: Gives file and line after which motions are inserted.
         inserted: Called with the line of a motion that was inserted.
@@ -40,13 +39,10 @@ class TeachRow(Part):
         self._line, self._cursor, self._inserted = line, cursor, inserted
         self._via = ''  # the point that an arc passes
         self._changed = Changes()
-        text = viewer.texts
         with ui.element('div').classes('row-of-buttons teach'):
-            self._name = (
-                Choice([], with_input=True, new_value_mode='add-unique')
-                .props(f'dense outlined options-dense label="{text("teach.point")}"')
-                .classes('point')
-            )
+            label = self.text('teach.point')
+            self._name = Choice([], label=label, with_input=True, new_value_mode='add-unique')
+            self._name.classes('point')
             self._build_button(Action.TEACH, 'here', 'add_location', self._teach)
             for motion in MOTIONS:
                 self._build_button(Action.EDIT, motion, ICONS[motion], partial(self._insert, motion))

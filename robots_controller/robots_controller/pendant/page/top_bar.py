@@ -45,7 +45,7 @@ class TopBar(Part):
                     self._mode = (
                         Choice([*OperatingMode])
                         .when_chosen(self._choose_mode)
-                        .props(f'dense borderless options-dense aria-label="{text("bar.mode")}"')
+                        .props(f'borderless aria-label="{text("bar.mode")}"', remove='outlined')
                         .classes('mode')
                     )
                 self._commander = self._fact('bar.commander')

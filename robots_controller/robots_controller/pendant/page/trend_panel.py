@@ -36,11 +36,9 @@ class TrendPanel(Part):
         self._recording = ''
         with ui.element('div').classes('panel trend-panel'):
             with ui.element('div').classes('row-of-buttons'):
-                self._choice = (
-                    Choice({}, multiple=True, with_input=True, on_change=self._limit)
-                    .props(f'dense outlined options-dense use-chips label="{text("trends.signals")}"')
-                    .classes('signals')
-                )
+                names = text('trends.signals')
+                self._choice = Choice({}, label=names, multiple=True, with_input=True, on_change=self._limit)
+                self._choice.props('use-chips').classes('signals')
             with ui.element('div').classes('row-of-buttons'):
                 windows = {one: text('trends.window', seconds=one) for one in WINDOWS}
                 self._window = choices(windows, WINDOWS[0], self._draw_soon).props('padding="4px 9px"')

@@ -116,7 +116,6 @@ class ActionButton(Part):
     """A button for an action; one that is not permitted is pale, and says why when it is pressed.
 
     Args:
-        viewer: Its page.
         action: What it does.
         text: On it.
         icon: Before the text.

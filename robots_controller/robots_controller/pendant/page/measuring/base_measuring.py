@@ -21,11 +21,8 @@ class BaseMeasuring(Guide):
     def build(self) -> None:
         """See `Guide`."""
         text = self.text
-        self._tool = (
-            Choice({'': text('frames.flange')}, value='')
-            .props(f'dense outlined options-dense label="{text("frames.touching_tool")}"')
-            .classes('point')
-        )
+        self._tool = Choice({'': text('frames.flange')}, value='', label=text('frames.touching_tool'))
+        self._tool.classes('point')
         self._points = TouchedPoints(self.viewer, 'base', self.line)
         self._found = ui.label().classes('found number')
 

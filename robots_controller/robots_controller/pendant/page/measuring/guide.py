@@ -21,7 +21,6 @@ class Guide(Part, ABC):
     """A guide through one sequence, and the name under which the frames file gets its result.
 
     Args:
-        viewer: Its page.
         line: Says why something is refused.
         file: Gives the frames file.
     """

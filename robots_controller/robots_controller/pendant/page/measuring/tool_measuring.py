@@ -8,6 +8,7 @@ from nicegui import ui
 
 from robots_controller.measuring.frame_measuring import NEEDED
 from robots_controller.measuring.shown_numbers import degrees, millimetres
+from robots_controller.pendant.page.elements import Choice
 from robots_controller.pendant.page.measuring.guide import Guide, show_result
 from robots_controller.pendant.page.measuring.touched_points import TouchedPoints
 from robots_core.blocks.calibration.three_points import AXES, Axis
@@ -31,11 +32,8 @@ class ToolMeasuring(Guide):
         self._found = ui.label().classes('found number')
         with ui.expansion(text('frames.orientation'), icon='3d_rotation').classes('orientation'):
             ui.label(text('frames.orientation_hint')).classes('hint')
-            self._choice = (
-                ui.select({**AXIS_NAMES}, value=FIRST_AXIS)
-                .props(f'dense outlined options-dense label="{text("frames.axis")}"')
-                .classes('point')
-            )
+            self._choice = Choice({**AXIS_NAMES}, value=FIRST_AXIS, label=text('frames.axis'))
+            self._choice.classes('point')
             self._turns = TouchedPoints(self.viewer, 'orientation', self.line)
             self._turned = ui.label().classes('found number')
 

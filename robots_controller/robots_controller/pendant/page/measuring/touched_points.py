@@ -21,7 +21,6 @@ class TouchedPoints(Part):
     """A row for each point, and buttons that touch the next one and start again.
 
     Args:
-        viewer: Its page.
         kind: The sequence.
         line: Says why something is refused.
     """
