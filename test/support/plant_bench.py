@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from unittest.mock import patch
 
 from robots_controller.io.bridge.io_bridge import IoBridge
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, parse_io_map
+from robots_controller.io.plant import plant_connection
 from robots_controller.io.plant.plant_connection import connect
 
 DEADLINE = 120.0  # s
@@ -32,16 +34,13 @@ class PlantBench:
         self.told: list[str] = []
         self.outputs: dict[str, float] = {}
         self.inputs: dict[str, float] = {}
+        self._pauses = patch.multiple(
+            plant_connection, FIRST_PAUSE=pause, LONGEST_PAUSE=pause, RETRY_PERIOD=pause
+        )
+        self._pauses.start()
         rows = (*self.io_map.inputs, *self.io_map.outputs)
         self.ports = {
-            name: connect(
-                server,
-                [row for row in rows if row.place.port == name],
-                self._woken.set,
-                first_pause=pause,
-                longest_pause=pause,
-                retry_period=pause,
-            )
+            name: connect(server, [row for row in rows if row.place.port == name], self._woken.set)
             for name, server in self.io_map.servers.items()
         }
         self.bridge = IoBridge(self.io_map, self.ports, self.io_map.fail_safe, self.told.append, self.now)
@@ -100,3 +99,4 @@ class PlantBench:
         """End the connections."""
         for port in self.ports.values():
             port.close()
+        self._pauses.stop()

@@ -14,7 +14,7 @@ from robots_controller.io.plant.plant_link import LinkError, PlantLink
 from robots_controller.io.plant.protocols import PlantServer
 from robots_core.errors import InvalidInputError
 
-FIRST_PAUSE: Final = 0.2  # s
+FIRST_PAUSE: Final = 0.2  # s, before the second attempt to connect; doubled from one to the next
 LONGEST_PAUSE: Final = 5.0  # s
 RETRY_PERIOD: Final = 1.0  # s, of what the partner refuses
 MOST_ARRIVALS: Final = 20_000
@@ -87,24 +87,10 @@ class PlantConnection(IoPort):
         name: Of the partner, for messages.
         link: To it.
         wake: Called in another thread when values have arrived or the state has changed.
-        first_pause: Before the second attempt to connect, s; doubled from one to the next.
-        longest_pause: s.
-        retry_period: Of what the partner refuses, s.
     """
 
-    def __init__(
-        self,
-        name: str,
-        link: PlantLink,
-        wake: Callable[[], None],
-        *,
-        first_pause: float = FIRST_PAUSE,
-        longest_pause: float = LONGEST_PAUSE,
-        retry_period: float = RETRY_PERIOD,
-    ) -> None:
+    def __init__(self, name: str, link: PlantLink, wake: Callable[[], None]) -> None:
         self._name, self._link, self._wake = name, link, wake
-        self._pauses = first_pause, longest_pause
-        self._retry_period = retry_period
         self._changed = Condition()
         self._ended = False
         self._down = f'{name}: not connected yet'
@@ -173,8 +159,7 @@ class PlantConnection(IoPort):
     # -- the thread's side ------------------------------------------------------------------------
 
     def _run(self) -> None:
-        first, longest = self._pauses
-        pause = first
+        pause = FIRST_PAUSE
         while not self._ended:
             began = time.monotonic()
             try:
@@ -187,11 +172,11 @@ class PlantConnection(IoPort):
             except Exception as error:  # noqa: BLE001  # a partner can make its library raise anything
                 self._set_down(repr(error))
             self._link.close()
-            if time.monotonic() - began > longest:
-                pause = first
+            if time.monotonic() - began > LONGEST_PAUSE:
+                pause = FIRST_PAUSE
             with self._changed:
                 self._changed.wait_for(lambda: self._ended, pause)
-            pause = min(2.0 * pause, longest)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _serve(self, due: float) -> None:
         retry = time.monotonic()
@@ -200,7 +185,7 @@ class PlantConnection(IoPort):
             if now >= due:
                 due = self._link.read(now)
             if now >= retry:
-                retry = now + self._retry_period
+                retry = now + RETRY_PERIOD
                 with self._changed:
                     self._waiting.retry_refused()
             with self._changed:
@@ -275,16 +260,13 @@ class PlantConnection(IoPort):
         self._problems = problems
 
 
-def connect(
-    server: PlantServer, rows: Sequence[IoRow], wake: Callable[[], None], **options: float
-) -> PlantConnection:
+def connect(server: PlantServer, rows: Sequence[IoRow], wake: Callable[[], None]) -> PlantConnection:
     """The connection of a server; it connects by itself.
 
     Args:
         server: The server.
         rows: Those with places there, at least one.
         wake: As of `PlantConnection`.
-        options: Of `PlantConnection`.
 
     Raises:
         InvalidInputError: the protocol's library is not installed.
@@ -300,4 +282,4 @@ def connect(
         link = server.link(inputs, outputs)
     except InvalidInputError as error:
         raise rows[0].error(error.message) from None
-    return PlantConnection(server.port, link, wake, **options)
+    return PlantConnection(server.port, link, wake)
