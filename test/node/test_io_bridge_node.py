@@ -22,7 +22,7 @@ from std_msgs.msg import (
 )
 
 from plant_partners import ModbusPartner
-from robots_controller.io.unknown_inputs import unknown_inputs
+from robots_controller.io.stopping_inputs import unknown_inputs
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase

@@ -9,9 +9,8 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.io.bridge.topic_field import TopicField
+from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe, safe_value
-from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_conversion import InputValue, from_field, to_field
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.io.io_map import IoRow, parse_io_map

@@ -7,9 +7,14 @@ from pathlib import Path
 import pytest
 
 from robots_controller.io.cell_io import read_cell_io
-from robots_controller.io.emergency_inputs import emergency_reason, emergency_stop_texts, parse_emergency_stop
 from robots_controller.io.io_image import Channel
-from robots_controller.io.unknown_inputs import unknown_inputs, unknown_label
+from robots_controller.io.stopping_inputs import (
+    emergency_reason,
+    emergency_stop_texts,
+    parse_emergency_stop,
+    unknown_inputs,
+    unknown_label,
+)
 from robots_core.errors import InvalidInputError, RobotsError
 
 from .simulated_program import run_text

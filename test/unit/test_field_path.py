@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.io.field_path import FieldPath
+from robots_controller.io.bridge.topic_field import FieldPath
 from robots_core.errors import InvalidInputError
 
 

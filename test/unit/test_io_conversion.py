@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from robots_controller.io.bridge.topic_field import TopicField
-from robots_controller.io.field_path import FieldPath
+from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.io_conversion import InputValue, from_field, to_field
 from robots_controller.io.io_map import IoRow
 from robots_controller.io.io_signals import parse_channel

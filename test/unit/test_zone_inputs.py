@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.zone_inputs import closed_zones, closing_inputs, closing_texts, parse_closing
+from robots_controller.io.stopping_inputs import closed_zones, closing_inputs, closing_texts, parse_closing
 from robots_core.blocks import Zone
 from robots_core.errors import InvalidInputError
 

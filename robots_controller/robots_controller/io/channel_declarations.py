@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, read_fail_safe
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import read_signals
+from robots_controller.io.stopping_inputs import read_emergency_stop
 from robots_core.files.yaml_section import YamlSection
 
 

@@ -1,12 +1,14 @@
 """IoImage: digital and analog inputs and outputs by index from 1 or by name; inputs can be forced."""
 
+from __future__ import annotations
+
 import math
 import re
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,6 +42,12 @@ class Channel:
     direction: Direction
     index: int
     label: str = ''
+
+    @classmethod
+    def of(cls, image: str, index: int, label: str = '') -> Channel:
+        """A channel of an image, one of `IMAGES`."""
+        kind, direction = image.removesuffix('s').split('_')
+        return cls(cast(Kind, kind), cast(Direction, direction), index, label)
 
     @property
     def name(self) -> str:
@@ -108,7 +116,8 @@ class IoImage:
         check_count(digital, 'digital')
         check_count(analog, 'analog')
         self.condition = condition or threading.Condition()
-        self.channels: tuple[Channel, ...] = _channels({'digital': digital, 'analog': analog}, labels)
+        sizes = {image: digital if image.startswith('digital') else analog for image in IMAGES}
+        self.channels: tuple[Channel, ...] = _channels(sizes, labels)
         """All channels, image after image."""
         self._by_name = {channel.name: channel for channel in self.channels}
         for channel in self.channels:
@@ -117,7 +126,6 @@ class IoImage:
                     channel.label: channel,
                     f'{channel.kind}_{channel.direction}.{channel.label}': channel,
                 }
-        sizes = {image: digital if image.startswith('digital') else analog for image in IMAGES}
         self._values = {image: np.zeros(size) for image, size in sizes.items()}
         self._outside = {image: values.copy() for image, values in self._values.items()}
         self._forced: dict[Channel, float] = {}
@@ -283,36 +291,32 @@ def check_count(size: int, name: str) -> None:
         raise InvalidInputError(f'{name} = {size!r} must be a whole number of at least 1')
 
 
-def _channels(sizes: Mapping[Kind, int], labels: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
+def _channels(sizes: Mapping[str, int], labels: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
     if unknown := sorted(set(labels) - set(IMAGES)):
         raise InvalidInputError(f'{unknown[0]!r} is no image; images are {", ".join(IMAGES)}')
     channels: list[Channel] = []
     taken: dict[str, Channel] = {}
-    kinds: tuple[Kind, ...] = ('digital', 'analog')
-    directions: tuple[Direction, ...] = ('input', 'output')
-    for kind in kinds:
-        for direction in directions:
-            image = f'{kind}_{direction}s'
-            given = list(labels.get(image, ()))
-            if len(given) > sizes[kind]:
+    for image, size in sizes.items():
+        given = list(labels.get(image, ()))
+        if len(given) > size:
+            raise InvalidInputError(
+                f'{len(given)} names for {size} {image.replace("_", " ")}: {", ".join(given)}'
+            )
+        given += [''] * (size - len(given))
+        for index, label in enumerate(given, 1):
+            channel = Channel.of(image, index, label)
+            if label and not LABEL.fullmatch(label):
                 raise InvalidInputError(
-                    f'{len(given)} names for {sizes[kind]} {kind} {direction}s: {", ".join(given)}'
+                    f'{label!r} cannot name {channel.name}: a name has letters, digits and '
+                    f'underscores, and begins with no digit'
                 )
-            given += [''] * (sizes[kind] - len(given))
-            for index, label in enumerate(given, 1):
-                channel = Channel(kind, direction, index, label)
-                if label and not LABEL.fullmatch(label):
-                    raise InvalidInputError(
-                        f'{label!r} cannot name {channel.name}: a name has letters, digits and '
-                        f'underscores, and begins with no digit'
-                    )
-                if label and label in taken:
-                    raise InvalidInputError(
-                        f'{label!r} names both {taken[label].name} and {channel.name}; every channel '
-                        f'needs a name of its own'
-                    )
-                taken[label] = channel
-                channels.append(channel)
+            if label and label in taken:
+                raise InvalidInputError(
+                    f'{label!r} names both {taken[label].name} and {channel.name}; every channel '
+                    f'needs a name of its own'
+                )
+            taken[label] = channel
+            channels.append(channel)
     return tuple(channels)
 
 

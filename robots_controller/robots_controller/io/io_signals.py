@@ -2,15 +2,15 @@
 
 import re
 from collections.abc import Mapping
-from typing import Final, get_args
+from typing import Final
 
-from robots_controller.io.io_image import IMAGES, Channel, Direction, IoImage, Kind
+from robots_controller.io.io_image import IMAGES, Channel, IoImage
 from robots_core.errors import InvalidInputError
 from robots_core.files.yaml_section import YamlSection, located
 
 LARGEST_INDEX: Final = 4096  # a typing error must not make an image of a billion channels
 
-_NAME: Final = re.compile(rf'({"|".join(get_args(Kind))})_({"|".join(get_args(Direction))})\.([1-9]\d*)')
+_NAME: Final = re.compile(rf'({"|".join(image.removesuffix("s") for image in IMAGES)})\.([1-9]\d*)')
 
 
 def parse_channel(text: str, signals: Mapping[str, Channel]) -> Channel:
@@ -22,15 +22,13 @@ def parse_channel(text: str, signals: Mapping[str, Channel]) -> Channel:
     if text in signals:
         return signals[text]
     match = _NAME.fullmatch(text)
-    if match is None or int(match[3]) > LARGEST_INDEX:
+    if match is None or int(match[2]) > LARGEST_INDEX:
         known = f', or a signal: {", ".join(signals)}' if signals else ''
         raise InvalidInputError(
             f'{text!r} is no channel; channels are digital_input.1, digital_output.1, analog_input.1, '
             f'analog_output.1 and so on, up to {LARGEST_INDEX}{known}'
         )
-    kinds: dict[str, Kind] = {kind: kind for kind in get_args(Kind)}
-    directions: dict[str, Direction] = {direction: direction for direction in get_args(Direction)}
-    return Channel(kinds[match[1]], directions[match[2]], int(match[3]))
+    return Channel.of(f'{match[1]}s', int(match[2]))
 
 
 def channel_at(section: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Channel:
@@ -65,7 +63,7 @@ def read_signals(section: YamlSection) -> dict[str, Channel]:
     for below, label in section.entries('signals'):
         try:
             channel = parse_channel(below.text(label), {})
-            labelled = Channel(channel.kind, channel.direction, channel.index, label)
+            labelled = Channel.of(channel.image, channel.index, label)
             IoImage(digital=channel.index, analog=channel.index, labels=channel_labels([labelled]))
         except InvalidInputError as error:
             raise below.error(error.message, label) from None

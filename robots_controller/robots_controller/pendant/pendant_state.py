@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from robots_controller.control.stops.faults import Fault
-from robots_controller.io.io_image import Channel, Direction, Kind
+from robots_controller.io.io_image import Channel
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import NOTHING, Payload
@@ -89,11 +89,9 @@ class ShownIo:
             image: One of `IMAGES`.
             part: A number finds the channels with just that number or a name that contains it.
         """
-        kind: Kind = 'digital' if image.startswith('digital') else 'analog'
-        direction: Direction = 'input' if image.endswith('inputs') else 'output'
         labels, wanted = self.labels.get(image, ()), part.strip().casefold()
         channels = [
-            Channel(kind, direction, index, labels[index - 1] if index <= len(labels) else '')
+            Channel.of(image, index, labels[index - 1] if index <= len(labels) else '')
             for index in range(1, len(self.values.get(image, ())) + 1)
         ]
         return [one for one in channels if wanted in one.label.casefold() or wanted in ('', str(one.index))]

@@ -13,12 +13,13 @@ from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import CellIo, read_cell_io
-from robots_controller.io.emergency_inputs import (
+from robots_controller.io.stopping_inputs import (
+    Closing,
     Stopping,
+    closing_inputs,
     emergency_stop_texts,
     parse_emergency_stop,
 )
-from robots_controller.io.zone_inputs import Closing, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.following_methods import METHODS

@@ -5,8 +5,7 @@ from types import MappingProxyType
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
-from robots_controller.io.emergency_inputs import Stopping, emergency_reason
-from robots_controller.io.zone_inputs import Closing, closed_zones
+from robots_controller.io.stopping_inputs import Closing, Stopping, closed_zones, emergency_reason
 
 
 class WatchedInputs:

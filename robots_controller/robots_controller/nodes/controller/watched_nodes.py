@@ -12,9 +12,7 @@ from std_msgs.msg import UInt8MultiArray
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import LOST_NODES, Fault
 from robots_controller.control.stops.watched_inputs import WatchedInputs
-from robots_controller.io.emergency_inputs import Stopping, parse_emergency_stop
-from robots_controller.io.unknown_inputs import unknown_inputs
-from robots_controller.io.zone_inputs import Closing
+from robots_controller.io.stopping_inputs import Closing, Stopping, parse_emergency_stop, unknown_inputs
 from robots_core.errors import InvalidInputError
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import subscribe

@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.zones.shared_zone import LARGEST, ZoneState, parse_zone_state
-from robots_controller.io.zone_inputs import Closing, parse_closing
+from robots_controller.io.stopping_inputs import Closing, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel, image_sizes
-from robots_controller.io.unknown_inputs import unknown_label
+from robots_controller.io.stopping_inputs import unknown_label
 from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.timed_node import TimedNode

@@ -3,7 +3,7 @@
 import re
 from typing import Any, Final
 
-from robots_controller.io.field_path import FieldPath
+from robots_controller.io.bridge.topic_field import FieldPath
 from robots_controller.io.number_kinds import INTEGERS
 from robots_core.errors import InvalidInputError
 from robots_core.ros.message_class import message_class
