@@ -6,14 +6,16 @@ import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
-from robots_controller.io.io_image import Channel
+from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.measuring.frame_measuring import Sequence as Touched
 from robots_controller.pendant.control_desk import ControlDesk
@@ -25,13 +27,12 @@ from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
-from robots_controller.pendant.program_editing import findings
 from robots_controller.pendant.programs import program_file
 from robots_controller.pendant.recording import Recording
 from robots_controller.pendant.trends import Trends
 from robots_controller.program.files.taught_points import TaughtPoint
 from robots_controller.program.teaching import Motion, Teaching
-from robots_controller.program_check.program_check import ProgramProblem
+from robots_controller.program_check.program_check import ProgramProblem, check_program
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError, NotNowError, ProgramError
 from robots_core.files.user_file import read_text
@@ -56,7 +57,8 @@ class PendantOperator:
     """What all pages of a pendant share: the state, who operates, and the button that is held.
 
     `state` may be replaced from any thread; presses are taken in one thread. All commands raise a
-    NotPermittedError if the viewer is not in control or the state does not permit them.
+    NotPermittedError if the viewer is not in control or the state does not permit them, and another
+    RobotsError if a node refuses them or does not answer, or if a file is not valid or cannot be written.
 
     Args:
         robot: The robot.
@@ -140,9 +142,6 @@ class PendantOperator:
 
         Returns:
             The motion; None if the target was forgotten while it was planned.
-
-        Raises:
-            RobotsError: the target cannot be reached so.
         """
         self.forget_preview(viewer)
         self.check(viewer, Action.MOVE)
@@ -179,11 +178,7 @@ class PendantOperator:
         self._port.stop()
 
     def act(self, viewer: str, action: Action) -> None:
-        """Do one of `SERVICES`; so this and what follows waits for the answer of the cell.
-
-        Raises:
-            RobotsError: a node refuses, or does not answer.
-        """
+        """Do one of `SERVICES`; so this and what follows waits for the answer of the cell."""
         self.check(viewer, action)
         self._port.call(SERVICES[action])
 
@@ -195,20 +190,12 @@ class PendantOperator:
     # -- points and programs ------------------------------------------------------------------------------
 
     def points(self) -> Mapping[str, TaughtPoint]:
-        """The points of the program that is open, by name.
-
-        Raises:
-            RobotsError: the points file is not valid.
-        """
+        """The points of the program that is open, by name."""
         path = self.state.program.points_file
         return self.teaching.points(Path(path)) if path else {}
 
     def teach(self, viewer: str, name: str) -> None:
-        """Store where the robot stands as a point of the program that is open.
-
-        Raises:
-            RobotsError: the points file is not valid, or cannot be written.
-        """
+        """Store where the robot stands as a point of the program that is open."""
         self.check(viewer, Action.TEACH)
         self.teaching.teach(self._points_file, name, standing(self._port, self.state))
 
@@ -221,9 +208,6 @@ class PendantOperator:
             line: The motion comes after this line; the line of the motion is returned.
             motion: Its kind.
             names: Of its points, see `Teaching.insert`.
-
-        Raises:
-            RobotsError: a file is not valid, or cannot be written.
         """
         self.check(viewer, Action.EDIT)
         program, q = Path(self.state.program.path), standing(self._port, self.state)
@@ -251,7 +235,7 @@ class PendantOperator:
             What is wrong with the program.
 
         Raises:
-            RobotsError: somebody else has changed the file, or it cannot be written.
+            ProgramError: somebody else has changed the file.
         """
         self.check(viewer, Action.EDIT)
         program = Path(self.state.program.path)
@@ -263,10 +247,17 @@ class PendantOperator:
                 key='changed_since',
             )
         self.teaching.history.change({path: after})
-        frames_file = self.state.program.frames_file
-        problems = findings(program, self.robot.axes_data, self.state.io, frames_file)
+        problems = self._findings(program)
         self._reopen()
         return problems
+
+    def _findings(self, program: Path) -> tuple[ProgramProblem, ...]:
+        """What `check_program` finds, with this robot and the names of its cell."""
+        io, axes, frames_file = self.state.io, self.robot.axes_data, self.state.program.frames_file
+        digital, analog = (len(io.values.get(f'{kind}_outputs', ())) for kind in ('digital', 'analog'))
+        image = IoImage(digital=digital, analog=analog, labels=io.labels)
+        sizes = Sizes.of(axes.num_axes, image, axes.prismatic)
+        return check_program(program, replace(sizes, frames_file=Path(frames_file) if frames_file else None))
 
     def toggle_breakpoint(self, viewer: str, file: str, line: int) -> None:
         """Hold programs at a line of a file, or do not any more."""
@@ -280,11 +271,7 @@ class PendantOperator:
         self._port.step(one_of('step', STEPS)(step))
 
     def call_stack(self) -> CallStack:
-        """The call stack of the program that is held, innermost first, with its variables.
-
-        Raises:
-            RobotsError: none is held.
-        """
+        """The call stack of the program that is held, innermost first, with its variables."""
         return call_stack_from_json(self._port.call_stack())
 
     def measure(self, viewer: str, step: Callable[[], None]) -> None:
@@ -293,11 +280,7 @@ class PendantOperator:
         step()
 
     def touch(self, viewer: str, sequence: Touched) -> None:
-        """Touch the next point of a sequence of `measuring`, where the robot stands.
-
-        Raises:
-            RobotsError: the robot moves, or all points are touched.
-        """
+        """Touch the next point of a sequence of `measuring`, where the robot stands."""
         self.check(viewer, Action.TEACH)
         q, q_dot = self.state.q, self.state.q_dot
         if q is None:

@@ -79,11 +79,7 @@ class ModbusServer:
 
     @classmethod
     def read(cls, section: YamlSection, port: str) -> Self:
-        """An entry of the section `modbus`.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid; with file and line.
-        """
+        """An entry of the section `modbus`."""
         return cls(
             port,
             section.text('host'),
@@ -94,11 +90,7 @@ class ModbusServer:
         )
 
     def read_place(self, item: YamlSection, channel: Channel) -> ModbusPlace:
-        """The keys below `modbus` of a row.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid, or not for outputs; with file and line.
-        """
+        """The keys below `modbus` of a row."""
         tables = [table for table in TABLES if table in item]
         if len(tables) != 1:
             raise item.error(
@@ -167,15 +159,7 @@ class _Block:
 
 
 class ModbusLink:
-    """A connection to a Modbus TCP server.
-
-    Args:
-        server: The server.
-        inputs: Places to read, and their periods, s.
-
-    Raises:
-        InvalidInputError: pymodbus is not installed.
-    """
+    """A connection to a Modbus TCP server; see `PlantLink`."""
 
     def __init__(self, server: ModbusServer, inputs: Mapping[Any, float]) -> None:
         self._server = server

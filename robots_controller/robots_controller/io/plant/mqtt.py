@@ -112,11 +112,7 @@ class MqttServer:
 
     @classmethod
     def read(cls, section: YamlSection, port: str) -> Self:
-        """An entry of the section `mqtt`.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid; with file and line.
-        """
+        """An entry of the section `mqtt`."""
         tls = section.switch('tls', default=False)
         made = cls(
             port,
@@ -134,11 +130,7 @@ class MqttServer:
         return made
 
     def read_place(self, item: YamlSection, channel: Channel) -> MqttPlace:
-        """The keys below `mqtt` of a row.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid; with file and line.
-        """
+        """The keys below `mqtt` of a row."""
         topic = item.text('topic')
         if not topic or any(letter in topic for letter in '+#\0'):
             raise item.error(f'{topic!r} is no topic; topics are like plant/press, without + and #', 'topic')
@@ -189,15 +181,10 @@ class MqttPlace(PlantPlace):
 
 
 class MqttLink:
-    """A connection to an MQTT broker; it subscribes to the topics of inputs.
-
-    Args:
-        server: The broker.
-        inputs: Places to read.
-        outputs: Places to write.
+    """A connection to an MQTT broker, which subscribes to the topics of inputs; see `PlantLink`.
 
     Raises:
-        InvalidInputError: paho-mqtt is not installed, or two outputs exclude each other in one message.
+        InvalidInputError: two outputs exclude each other in one message too.
     """
 
     def __init__(self, server: MqttServer, inputs: Iterable[Any], outputs: Iterable[Any]) -> None:

@@ -82,11 +82,7 @@ class OpcuaServer:
 
     @classmethod
     def read(cls, section: YamlSection, port: str) -> Self:
-        """An entry of the section `opcua`.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid; with file and line.
-        """
+        """An entry of the section `opcua`."""
         endpoint = section.text('endpoint')
         if not re.fullmatch(r'opc\.tcp://[^/\s]+(/\S*)?', endpoint):
             raise section.error(
@@ -111,11 +107,7 @@ class OpcuaServer:
         return made
 
     def read_place(self, item: YamlSection, channel: Channel) -> OpcuaPlace:
-        """The keys below `opcua` of a row.
-
-        Raises:
-            InvalidInputError: a key is missing or not valid; with file and line.
-        """
+        """The keys below `opcua` of a row."""
         node = item.text('node')
         if not _NODE.fullmatch(node):
             raise item.error(f'{node!r} is no node id; they are like ns=2;s=Press.Ready or i=85', 'node')
@@ -143,16 +135,7 @@ class OpcuaPlace(PlantPlace):
 
 
 class OpcuaLink:
-    """A connection to an OPC UA server, which reports changes of the inputs' variables.
-
-    Args:
-        server: The server.
-        inputs: Places to read, and how often the server samples them, s.
-        outputs: Places to write.
-
-    Raises:
-        InvalidInputError: asyncua is not installed.
-    """
+    """A connection to an OPC UA server, which reports changes of the inputs' variables; see `PlantLink`."""
 
     def __init__(self, server: OpcuaServer, inputs: Mapping[Any, float], outputs: Iterable[Any]) -> None:
         self._server = server

@@ -21,6 +21,9 @@ class PlantLink(Protocol):
 
     `open`, `read` and `write` raise a LinkError where the partner cannot be reached or does not answer; the
     link is closed then, and opened again later.
+
+    `PlantServer.link` makes it of the places to read, with their periods, s, and the places to write. That
+    raises an InvalidInputError if the protocol's library is not installed.
     """
 
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:

@@ -12,8 +12,10 @@ from robots_core.files.yaml_section import YamlSection
 
 PlantServer: TypeAlias = ModbusServer | MqttServer | OpcuaServer
 """A server that a map declares: its `port`, as of its places, and the `period` of inputs whose row has none,
-s; None where the server speaks by itself."""
+s; None where the server speaks by itself.
 
+`read` and `read_place` raise an InvalidInputError with file and line where a key is missing or not valid.
+"""
 
 PROTOCOLS: Final[Mapping[str, type[PlantServer]]] = {
     'modbus': ModbusServer,

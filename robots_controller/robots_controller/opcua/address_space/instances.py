@@ -1,9 +1,9 @@
-"""Instances: objects of the specifications' types, and the values of their variables by path."""
+"""Instances: objects of the specifications' types, the values of their variables, and their methods."""
 
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final
 
 from asyncua import ua
@@ -21,6 +21,7 @@ STATE_MACHINES: Final = ('TaskControlStateMachineType', 'ReadySubstateMachineTyp
 CURRENT_STATE: Final = Member(
     'ua:CurrentState', 0, 'variable', 'ua:LocalizedText', 'ua:FiniteStateVariableType'
 )
+MISMATCH: Final = ua.StatusCodes.BadTypeMismatch
 INACTIVE: Final = object()
 """Value of the states of a state machine that is not active."""
 
@@ -194,6 +195,43 @@ def argument(name: str, kind: ua.VariantType, description: str) -> ua.Argument:
     return ua.Argument(
         Name=name, DataType=ua.NodeId(kind.value), ValueRank=-1, Description=ua.LocalizedText(description)
     )
+
+
+def wrong_arguments(kinds: Sequence[ua.VariantType], given: Sequence[ua.Variant]) -> Any:
+    """The answer to arguments of a wrong number or type; None where they are right.
+
+    Args:
+        kinds: Their types.
+        given: As the client has sent them.
+    """
+    if len(given) != len(kinds):
+        missing = len(given) < len(kinds)
+        codes = ua.StatusCodes
+        return ua.StatusCode(codes.BadArgumentsMissing if missing else codes.BadTooManyArguments)
+    codes = [
+        0 if one.VariantType is kind and one.Value is not None and not one.is_array else MISMATCH
+        for one, kind in zip(given, kinds, strict=True)
+    ]
+    return _invalid(codes) if any(codes) else None
+
+
+def out_of_range(count: int) -> ua.CallMethodResult:
+    """The answer to arguments that name nothing that is there."""
+    return _invalid(ua.StatusCodes.BadOutOfRange for _ in range(count))
+
+
+def answered(*outputs: ua.Variant) -> ua.CallMethodResult:
+    """The answer of a method that was called."""
+    result = ua.CallMethodResult()
+    result.OutputArguments = list(outputs)
+    return result
+
+
+def _invalid(codes: Any) -> ua.CallMethodResult:
+    result = ua.CallMethodResult()
+    result.InputArgumentResults = [ua.StatusCode(code) for code in codes]
+    result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
+    return result
 
 
 def _variant(value: Any, data: str) -> ua.Variant:

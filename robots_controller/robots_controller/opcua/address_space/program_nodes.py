@@ -14,8 +14,7 @@ from typing import Any, Final
 from asyncua import ua
 
 from robots_controller.opcua.address_space.companion_types import Member
-from robots_controller.opcua.address_space.instances import Instances
-from robots_controller.opcua.method_calls import answered, wrong_arguments
+from robots_controller.opcua.address_space.instances import Instances, answered, wrong_arguments
 from robots_controller.pendant.programs import program_files
 from robots_core.errors import InvalidInputError
 from robots_core.files.user_file import read_bytes

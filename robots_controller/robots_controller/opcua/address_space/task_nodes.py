@@ -10,9 +10,15 @@ from asyncua import ua
 from asyncua.server.event_generator import EventGenerator
 
 from robots_controller.opcua.address_space.companion_types import TRANSITION_REASONS
-from robots_controller.opcua.address_space.instances import INACTIVE, Instances, argument
+from robots_controller.opcua.address_space.instances import (
+    INACTIVE,
+    Instances,
+    answered,
+    argument,
+    out_of_range,
+    wrong_arguments,
+)
 from robots_controller.opcua.address_space.program_nodes import ProgramNodes
-from robots_controller.opcua.method_calls import answered, out_of_range, wrong_arguments
 from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
 from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -147,35 +147,30 @@ class IoPanel(Part):
     def _build_switch(self, channel: Channel) -> None:
         if channel.kind == 'digital':
             icon_button('toggle_on', channel.name).classes('switch').on(
-                'click', lambda event: self._set(channel, 0.0 if event.args else 1.0), js_handler=WAS_ON
+                'click',
+                lambda event: self.do(self.operator.set_output, channel, 0.0 if event.args else 1.0),
+                js_handler=WAS_ON,
             )
             return
         with icon_button('edit', channel.name), ui.menu() as menu:
-            self._build_entry(channel, menu, self._set)
+            self._build_entry(channel, menu, self.operator.set_output)
 
     def _build_force(self, channel: Channel) -> None:
+        force = self.operator.force_input
         with icon_button('bolt', channel.name), ui.menu() as menu:
             if channel.kind == 'digital':
-                ui.menu_item(self.text('io.force_on'), partial(self._force, channel, 1.0))
-                ui.menu_item(self.text('io.force_off'), partial(self._force, channel, 0.0))
+                ui.menu_item(self.text('io.force_on'), partial(self.do, force, channel, 1.0))
+                ui.menu_item(self.text('io.force_off'), partial(self.do, force, channel, 0.0))
             else:
-                self._build_entry(channel, menu, self._force)
-            ui.menu_item(self.text('io.release'), partial(self._force, channel, None))
+                self._build_entry(channel, menu, force)
+            ui.menu_item(self.text('io.release'), partial(self.do, force, channel, None))
 
-    def _build_entry(self, channel: Channel, menu: ui.menu, give: Callable[..., Awaitable[object]]) -> None:
+    def _build_entry(self, channel: Channel, menu: ui.menu, give: Callable[..., object]) -> None:
         entry = ui.number(channel.name).props('dense outlined').classes('entry')
 
         async def press() -> None:
             if entry.value is not None or channel.direction == 'input':  # which is released
-                await give(channel, entry.value)
+                await self.do(give, channel, entry.value)
                 menu.close()
 
         ui.button(self.text('io.set'), on_click=press).props('flat no-caps')
-
-    # -- what is pressed ----------------------------------------------------------------------------------
-
-    async def _set(self, channel: Channel, value: float) -> None:
-        await self.viewer.do(self.line, self.operator.set_output, channel, value)
-
-    async def _force(self, channel: Channel, value: float | None) -> None:
-        await self.viewer.do(self.line, self.operator.force_input, channel, value)

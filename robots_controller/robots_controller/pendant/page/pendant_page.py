@@ -125,23 +125,23 @@ class PendantPage:
         """Take a sign at once, before the release is served; the action that it starts may take longer."""
         number, key = _press(event.args)
         program = self._panels.get('program') if key == RUN_KEY or key.startswith(STEP_KEY) else None
-        line = program.line if isinstance(program, ProgramPanel) else self._jog.line
+        panel = program if isinstance(program, ProgramPanel) else self._jog
         if number != self._number:
             self._number = number
-            line.show('')
+            panel.line.show('')
             self._taught = self._jog.taught
         try:
             jog = self._jog
             sign = Sign(self._viewer.id, number, key, jog.speed, jog.step(key), self._taught)
             action = self._operator.hold(sign)
         except RobotsError as error:
-            line.show(self._viewer.texts.error(error))
+            panel.line.show(self._viewer.texts.error(error))
             return None
         if action is None:
             return None
         if action is Action.STEP:
-            return self._viewer.do(line, self._operator.step, key.removeprefix(STEP_KEY))
-        return self._viewer.do(line, self._operator.act, action)
+            return panel.do(self._operator.step, key.removeprefix(STEP_KEY))
+        return panel.do(self._operator.act, action)
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from functools import cache
 
 from nicegui import ui
 
+from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.pendant.page.elements import text_button
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
-from robots_controller.pendant.program_editing import completions
 from robots_controller.program_check.program_check import ProgramProblem
 
 
@@ -18,7 +20,6 @@ class ProgramEditor(Part):
     """An editor that opens with a text, and closes when it is saved or given up.
 
     Args:
-        line: Says why something is refused.
         closed: Called with what is wrong with the program that was saved; None if nothing was saved.
     """
 
@@ -28,8 +29,8 @@ class ProgramEditor(Part):
         line: RefusalLine,
         closed: Callable[[Sequence[ProgramProblem] | None], None],
     ) -> None:
-        super().__init__(viewer)
-        self._line, self._closed, text = line, closed, viewer.texts
+        super().__init__(viewer, line)
+        self._closed, text = closed, viewer.texts
         self._file, self._before = '', ''
         with ui.element('div').classes('editor') as self.element:
             self._place = ui.element('div').classes('text')
@@ -52,7 +53,7 @@ class ProgramEditor(Part):
             self._code = ui.codemirror(text.replace('\r\n', '\n'), language='Lua', indent='  ').props(
                 f'aria-label="{file}"'
             )
-        functions = json.dumps(completions(self.operator.robot.num_axes))
+        functions = json.dumps(_completions(self.operator.robot.num_axes))
         ui.run_javascript(f'pendant.complete({self._code.id}, {functions})')
         if line:
             self._code.reveal_line(line)
@@ -64,7 +65,7 @@ class ProgramEditor(Part):
         text = str(self._code.value)
         after = text.replace('\n', '\r\n') if '\r\n' in self._before else text
         save = self.operator.save_program
-        if saved := await self.viewer.do(self._line, save, self._file, self._before, after):
+        if saved := await self.do(save, self._file, self._before, after):
             self._leave()
             self._closed(saved[0])
 
@@ -77,3 +78,32 @@ class ProgramEditor(Part):
         self._code = None
         self._place.clear()
         self.element.set_visibility(False)
+
+
+@cache
+def _completions(num_axes: int) -> tuple[dict[str, str], ...]:
+    """Names, arguments and meanings of all functions, from the table that `lua_meta` is made of."""
+    return tuple(
+        {'label': function.name, 'detail': _arguments(function, num_axes), 'info': _info(function)}
+        for function in LUA_FUNCTIONS.values()
+    )
+
+
+def _arguments(function: LuaFunction, num_axes: int) -> str:
+    names = [name for argument in function.arguments for name in _names(argument, num_axes)]
+    return f'({", ".join([*names, *(["options"] if function.options else [])])})'
+
+
+def _names(argument: Argument, num_axes: int) -> list[str]:
+    if argument.per_axis:
+        return [f'{argument.name}{index}' for index in range(1, num_axes + 1)]
+    name = f'{argument.name}...' if argument.repeated else argument.name
+    return [f'[{name}]' if argument.optional else name]
+
+
+def _info(function: LuaFunction) -> str:
+    rows = [
+        f'{argument.name}: {argument.meaning}' + (f' ({argument.unit})' if argument.unit else '')
+        for argument in function.arguments
+    ]
+    return '\n'.join([function.doc, *rows, *([f'→ {function.result}'] if function.result else [])])

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from nicegui import background_tasks, ui
+from nicegui import background_tasks, run, ui
 from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import LuaLexer
 
+from robots_controller.interpreter.debugger import CallStack, Variable
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.elements import Changes, Choice, held_button, mark, show_text
-from robots_controller.pendant.page.held_program_view import HeldProgramView
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
@@ -40,6 +40,44 @@ VIEWS: Final = ('printed', 'teach', 'variables')
 STEPS: Final = {'over': 'redo', 'in': 'south_east', 'out': 'north_east', 'motion': 'route'}
 HELD: Final = (Action.RUN, Action.RESUME)
 """What the button that is held does, in modes in which run is held."""
+
+
+class HeldProgramView(Part):
+    """Levels of the program, innermost first, each with its variables; tables can be opened."""
+
+    def __init__(self, viewer: Viewer) -> None:
+        super().__init__(viewer)
+        self._changed = Changes()
+        self._asking = False
+        with ui.element('div').classes('variables') as self.element:
+            self._hint = ui.label(viewer.texts('held.none')).classes('hint')
+            self._tree = ui.tree([], label_key='label').props('dense no-connectors')
+
+    async def refresh(self, state: PendantState) -> None:
+        """Ask for the variables, if the program is held elsewhere than before."""
+        program = state.program
+        held = program.state is RunState.PAUSED
+        shown = (program.path, program.file, program.line, program.hold) if held else ()
+        if self._asking or not self._changed(*shown):
+            return
+        stack = None
+        if held:
+            self._asking = True
+            try:
+                stack = await run.io_bound(self.operator.call_stack)
+            except RobotsError as error:  # the state of the program is shown elsewhere
+                self._hint.set_text(self.text.error(error))
+            finally:
+                self._asking = False
+        self._show(stack)
+
+    def _show(self, stack: CallStack | None) -> None:
+        self._hint.set_visibility(stack is None)
+        nodes = [] if stack is None else list(_levels(stack, self.text('held.globals')))
+        self._tree.props['nodes'] = nodes
+        self._tree.update()
+        if nodes:
+            self._tree.expand([nodes[0]['id']])
 
 
 class ProgramPanel(Part):
@@ -67,7 +105,11 @@ class ProgramPanel(Part):
                     ui.tooltip(text('program.hold_hint'))
                 self._buttons = {
                     action: ActionButton(
-                        viewer, action, text(f'program.{action}'), icon, partial(self._act, action)
+                        viewer,
+                        action,
+                        text(f'program.{action}'),
+                        icon,
+                        partial(self.do, viewer.operator.act, action),
                     )
                     for action, icon in BUTTONS
                 }
@@ -82,7 +124,8 @@ class ProgramPanel(Part):
             self._source = ui.html('', sanitize=False).classes('source').props('id=source')
             self._editor = ProgramEditor(viewer, self.line, self._end_edit)
             ui.on('pendant_cursor', lambda event: self._put_cursor(int(event.args)))
-            ui.on('pendant_breakpoint', lambda event: self._toggle_breakpoint(int(event.args)))
+            toggle = viewer.operator.toggle_breakpoint
+            ui.on('pendant_breakpoint', lambda event: self.do(toggle, self._file, int(event.args)))
             self._found = ui.element('div').classes('findings')
             self._found.set_visibility(False)
             with ui.tabs().props('dense no-caps inline-label align=left').classes('subtabs') as tabs:
@@ -99,20 +142,15 @@ class ProgramPanel(Part):
                     self._held = HeldProgramView(viewer)
 
     async def _open(self, name: str | None) -> None:
-        viewer = self.viewer
         path = str(self._folder / name) if name else ''
-        program = viewer.operator.state.program
+        program = self.operator.state.program
         if not path or (path == program.path and program.state is not RunState.IDLE):
             return
-        if not await viewer.do(self.line, viewer.operator.open_program, path):
+        if not await self.do(self.operator.open_program, path):
             self._show_choice(program.path)  # so that the same one can be chosen again
 
     async def _open_again(self) -> None:
-        operator = self.operator
-        await self.viewer.do(self.line, operator.open_program, operator.state.program.path)
-
-    async def _act(self, action: Action) -> None:
-        await self.viewer.do(self.line, self.operator.act, action)
+        await self.do(self.operator.open_program, self.operator.state.program.path)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
@@ -185,9 +223,6 @@ class ProgramPanel(Part):
     def _put_cursor(self, line: int) -> None:
         self._cursor = line
 
-    async def _toggle_breakpoint(self, line: int) -> None:
-        await self.viewer.do(self.line, self.operator.toggle_breakpoint, self._file, line)
-
     def _begin_edit(self) -> None:
         reason = self.viewer.reason(Action.EDIT)
         path = self.operator.state.program.path
@@ -234,3 +269,19 @@ def _lines(text: str) -> str:
     """A Lua program as HTML, a div for each line."""
     html = highlight(text, LuaLexer(stripnl=False), HtmlFormatter(nowrap=True)).removesuffix('\n')
     return ''.join(f'<div data-line="{i}">{line}</div>' for i, line in enumerate(html.split('\n'), 1))
+
+
+def _levels(stack: CallStack, title: str) -> Iterator[dict[str, Any]]:
+    for number, frame in enumerate(stack.frames):
+        variables = [variable for scope in frame.scopes.values() for variable in scope]
+        label = f'{frame.chunk}:{frame.line}  {frame.name}'
+        yield {'id': f'{number}', 'label': label, 'children': list(_rows(variables, f'{number}'))}
+    if stack.globals:
+        yield {'id': 'globals', 'label': title, 'children': list(_rows(stack.globals, 'globals'))}
+
+
+def _rows(variables: Iterable[Variable], above: str) -> Iterator[dict[str, Any]]:
+    for number, one in enumerate(variables):
+        id_ = f'{above}.{number}'
+        label = f'{one.name} = {one.value}'
+        yield {'id': id_, 'label': label, 'children': list(_rows(one.entries, id_))}

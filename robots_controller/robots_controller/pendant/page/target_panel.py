@@ -24,12 +24,11 @@ class TargetPanel(Part):
 
     Args:
         speed: Gives the part of the highest jog speed, 0..1.
-        line: Says why a target is refused.
     """
 
     def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:
-        super().__init__(viewer)
-        self._speed, self._line = speed, line
+        super().__init__(viewer, line)
+        self._speed = speed
         self._around: Preview | None = None  # what the ghost runs along
         self._played = 0.0  # s of it
         self._fields: list[tuple[ui.number, float]] = []  # with the factor from SI
@@ -48,25 +47,20 @@ class TargetPanel(Part):
     def _build(self) -> None:
         robot, convention = self.operator.robot, self.operator.robot.orientation_convention
         self._grid.clear()
-        if self._way.value == 'joints':
-            axes = robot.axes_data
-            named = [
-                (name, 'm' if slides else '') for name, slides in zip(axes.names, axes.prismatic, strict=True)
-            ]
-        else:
-            named = [(axis, 'm') for axis in 'XYZ'] + [(f'φ{i} ({convention})', '') for i in (1, 2, 3)]
         with self._grid:
-            self._fields = [
-                (
-                    ui.number(name, format='%.3f', on_change=self._forget).props(
-                        f'dense outlined suffix="{"mm" if unit else "°"}"'
-                    ),
-                    MILLIMETRES if unit else math.degrees(1.0),
-                )
-                for name, unit in named
-            ]
+            if self._way.value == 'joints':
+                axes = robot.axes_data
+                slides = zip(axes.names, axes.prismatic, strict=True)
+                self._fields = [self._field(name, slides=one) for name, one in slides]
+            else:
+                self._fields = [self._field(axis, slides=True) for axis in 'XYZ']
+                self._fields += [self._field(f'φ{i} ({convention})', slides=False) for i in (1, 2, 3)]
         self._fill()
         self._forget()
+
+    def _field(self, name: str, *, slides: bool) -> tuple[ui.number, float]:
+        field = ui.number(name, format='%.3f', suffix='mm' if slides else '°', on_change=self._forget)
+        return field.props('dense outlined'), MILLIMETRES if slides else math.degrees(1.0)
 
     def _fill(self) -> None:
         """Write where the robot is into the fields."""
@@ -110,11 +104,11 @@ class TargetPanel(Part):
             work = viewer.operator.preview
             found = await run.io_bound(work, viewer.id, self._way.value, values, self._speed())
         except RobotsError as error:
-            self._line.show(viewer.texts.error(error))
+            self.line.show(viewer.texts.error(error))
             self._show(None)
             return
         if found is not None:  # otherwise its fields have changed meanwhile
-            self._line.show('')
+            self.line.show('')
             self._show(found)
 
     @staticmethod

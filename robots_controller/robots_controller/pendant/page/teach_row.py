@@ -23,7 +23,6 @@ class TeachRow(Part):
     """A field for a point's name, and buttons that teach it and insert a motion to it.
 
     Args:
-        line: Says why something is refused.
         cursor: Gives file and line after which motions are inserted.
         inserted: Called with the line of a motion that was inserted.
     """
@@ -35,8 +34,8 @@ class TeachRow(Part):
         cursor: Callable[[], tuple[str, int]],
         inserted: Callable[[int], None],
     ) -> None:
-        super().__init__(viewer)
-        self._line, self._cursor, self._inserted = line, cursor, inserted
+        super().__init__(viewer, line)
+        self._cursor, self._inserted = cursor, inserted
         self._via = ''  # the point that an arc passes
         self._changed = Changes()
         with ui.element('div').classes('row-of-buttons teach'):
@@ -55,28 +54,28 @@ class TeachRow(Part):
 
     async def _teach(self) -> None:
         name = str(self._name.value or '') or self._free()
-        if await self.viewer.do(self._line, self.operator.teach, name):
+        if await self.do(self.operator.teach, name):
             self._say('taught', name=name)
             self._show_points(name)
 
     async def _insert(self, motion: Motion) -> None:
-        viewer, given = self.viewer, str(self._name.value or '')
+        operator, given = self.operator, str(self._name.value or '')
         name = self._free() if not given or given in self._name.options else given
         if motion == 'arc' and not self._via:
-            if await viewer.do(self._line, viewer.operator.teach, name):
+            if await self.do(operator.teach, name):
                 self._via = name
                 self._say('via', name=name)
                 self._show_points('')
             return
         names = [self._via, name] if motion == 'arc' else [name]
-        if new := await viewer.do(self._line, viewer.operator.insert_motion, *self._cursor(), motion, names):
+        if new := await self.do(operator.insert_motion, *self._cursor(), motion, names):
             self._via = ''
             self._say('inserted', name=name, line=new[0])
             self._show_points('')
             self._inserted(new[0])
 
     async def _undo(self) -> None:
-        if await self.viewer.do(self._line, self.operator.undo):
+        if await self.do(self.operator.undo):
             self._via = ''
             self._say('undone')
             self._show_points('')
@@ -94,7 +93,7 @@ class TeachRow(Part):
         try:
             names = sorted(self.operator.points())
         except RobotsError as error:
-            self._line.show(self.text.error(error))
+            self.line.show(self.text.error(error))
             names = []
         self._name.set_options(names, value=chosen if chosen in names else None)
 

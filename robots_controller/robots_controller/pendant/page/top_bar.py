@@ -66,7 +66,7 @@ class TopBar(Part):
                 Action.RESET,
                 text('bar.reset'),
                 'restart_alt',
-                lambda: viewer.do(self.line, viewer.operator.act, Action.RESET),
+                partial(self.do, viewer.operator.act, Action.RESET),
             )
         with ui.element('div').classes('strip forced-strip') as self._forced_strip:
             ui.icon('bolt')
@@ -127,17 +127,17 @@ class TopBar(Part):
     # -- what is pressed ----------------------------------------------------------------------------------
 
     async def _choose_mode(self, mode: OperatingMode | None) -> None:
-        viewer = self.viewer
-        if mode not in (None, viewer.operator.state.mode):
-            await viewer.do(self.line, viewer.operator.set_mode, mode)
-            self._show_mode(viewer.operator.state)
+        operator = self.operator
+        if mode not in (None, operator.state.mode):
+            await self.do(operator.set_mode, mode)
+            self._show_mode(operator.state)
 
     async def _change_override(self, step: int) -> None:
         await self._set_override(min(100, max(0, self._override + step)))
 
     async def _set_override(self, percent: int) -> None:
         operator = self.operator
-        await self.viewer.do(self.line, operator.set_override, percent / 100.0)
+        await self.do(operator.set_override, percent / 100.0)
         self._slider.value = round(100.0 * operator.state.override)
 
     async def _toggle_control(self) -> None:
@@ -145,7 +145,7 @@ class TopBar(Part):
         if operator.desk.holder == viewer.id:
             operator.give_back_control(viewer.id)
         elif not operator.desk.holder or await self._dialog:
-            await viewer.do(self.line, operator.take_control, address=viewer.address, from_other=True)
+            await self.do(operator.take_control, address=viewer.address, from_other=True)
 
     # -- what is shown ------------------------------------------------------------------------------------
 

@@ -62,7 +62,7 @@ class TrendPanel(Part):
         recording = self.operator.recording
         # By what the button says: another page may have begun or ended a bag just now.
         change = recording.end if self._recording else recording.begin
-        await self.viewer.do(self.line, lambda _: change())
+        await self.do(lambda _: change())
 
     def refresh(self, _state: PendantState) -> None:
         """Draw the signals, once a second."""

@@ -1,4 +1,4 @@
-"""Viewer: one page that is open, and how its panels do what is pressed."""
+"""Viewer: one page that is open; and Part, of which its panels are made."""
 
 from __future__ import annotations
 
@@ -61,31 +61,6 @@ class Viewer:
     address: str = ''
     buttons: list[ActionButton] = field(default_factory=list)
 
-    async def do(
-        self, line: RefusalLine, work: Callable[..., T], *values: Any, **named: Any
-    ) -> tuple[T, ...]:
-        """Do what waits for an answer of the cell, and show why it was refused.
-
-        What has changed is shown before the caller confirms it: no button moves after the confirmation.
-
-        Args:
-            line: Shows why.
-            work: Gets the id of the viewer, and what follows; raises a RobotsError.
-            values: For the work.
-            named: For the work.
-
-        Returns:
-            What the work returns, alone in a tuple; () if it was refused.
-        """
-        try:
-            done = await run.io_bound(lambda: (work(self.id, *values, **named),))
-        except RobotsError as error:
-            line.show(self.texts.error(error))
-            return ()
-        line.show('')
-        self.refresh()
-        return done or ()
-
     def reason(self, action: Action) -> str:
         """Why an action is not permitted; '' if it is."""
         try:
@@ -106,10 +81,33 @@ class Part:
 
     Args:
         viewer: Its page.
+        line: Says why something is refused; a part that gets none makes its own where it is wanted.
     """
 
-    def __init__(self, viewer: Viewer) -> None:
+    line: RefusalLine
+
+    def __init__(self, viewer: Viewer, line: RefusalLine | None = None) -> None:
         self.viewer, self.operator, self.text = viewer, viewer.operator, viewer.texts
+        if line is not None:
+            self.line = line
+
+    async def do(self, work: Callable[..., T], *values: Any, **named: Any) -> tuple[T, ...]:
+        """Do what waits for an answer of the cell, and show why it was refused.
+
+        The work gets the id of the viewer before its other arguments, and raises a RobotsError if refused.
+        What has changed is shown before the caller confirms it: no button moves after the confirmation.
+
+        Returns:
+            What the work returns, alone in a tuple; () if it was refused.
+        """
+        try:
+            done = await run.io_bound(lambda: (work(self.viewer.id, *values, **named),))
+        except RobotsError as error:
+            self.line.show(self.text.error(error))
+            return ()
+        self.line.show('')
+        self.viewer.refresh()
+        return done or ()
 
 
 class ActionButton(Part):

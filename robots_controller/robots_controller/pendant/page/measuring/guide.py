@@ -1,27 +1,31 @@
-"""Guide: what the sequences that measure tools, bases and payloads have in common."""
+"""What the guides that measure tools, bases and payloads have in common: Guide, and the points to touch."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from nicegui import ui
 
-from robots_controller.pendant.page.elements import Changes, mark, show_text
+from robots_controller.measuring.frame_measuring import NEEDED
+from robots_controller.measuring.frame_measuring import Sequence as Kind
+from robots_controller.pendant.page.elements import Changes, icon_button, mark, show_text
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.files.cell_frames import CellFrames, FrameKind, read_frames
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
+ICONS: Final = {'touched': 'check_circle', 'next': 'arrow_forward', 'later': 'radio_button_unchecked'}
+
 
 class Guide(Part, ABC):
     """A guide through one sequence, and the name under which the frames file gets its result.
 
     Args:
-        line: Says why something is refused.
         file: Gives the frames file.
     """
 
@@ -31,8 +35,8 @@ class Guide(Part, ABC):
     """What is saved."""
 
     def __init__(self, viewer: Viewer, line: RefusalLine, file: Callable[[], Path]) -> None:
-        super().__init__(viewer)
-        self.line, self.file = line, file
+        super().__init__(viewer, line)
+        self.file = file
         self.frames = CellFrames()
         """Of the file."""
         self.changed = Changes()
@@ -59,12 +63,12 @@ class Guide(Part, ABC):
 
     async def _save(self) -> None:
         name = str(self._name.value or '')
-        if await self.viewer.do(self.line, self.operator.measure, lambda: self.save(name)):
+        if await self.do(self.operator.measure, lambda: self.save(name)):
             show_text(self._said, self.text('frames.saved', name=name, file=self.file().name))
 
     async def _undo(self) -> None:
         operator = self.operator
-        if await self.viewer.do(self.line, operator.measure, operator.measuring.history.undo):
+        if await self.do(operator.measure, operator.measuring.history.undo):
             show_text(self._said, self.text('frames.undone'))
 
     def refresh(self) -> None:
@@ -80,6 +84,53 @@ class Guide(Part, ABC):
         except RobotsError as error:
             self.line.show(self.text.error(error))
             return CellFrames()
+
+
+class TouchedPoints(Part):
+    """A row for each point, and buttons that touch the next one and start again.
+
+    Args:
+        kind: The sequence.
+    """
+
+    def __init__(self, viewer: Viewer, kind: Kind, line: RefusalLine) -> None:
+        super().__init__(viewer, line)
+        self._kind, self._changed = kind, Changes()
+        text, operator, measuring = viewer.texts, viewer.operator, viewer.operator.measuring
+        with ui.element('div').classes('sequence'):
+            self._rows = ui.element('div').classes('touched-points')
+            with ui.element('div').classes('row-of-buttons'):
+                touch = partial(self.do, operator.touch, kind)
+                clear = partial(self.do, operator.measure, partial(measuring.clear, kind))
+                ActionButton(viewer, Action.TEACH, text('frames.touch'), 'ads_click', touch)
+                ActionButton(viewer, Action.TEACH, text('frames.again'), 'restart_alt', clear)
+
+    def refresh(self, names: Sequence[str], details: Sequence[str] = ()) -> None:
+        """Show the points.
+
+        Args:
+            names: Of all points, one for each row.
+            details: Of the touched ones; 'touched' by default.
+        """
+        count = len(self.operator.measuring.points[self._kind])
+        if not self._changed(count, *names, *details):
+            return
+        self._rows.clear()
+        with self._rows:
+            for index in range(max(NEEDED[self._kind], count)):
+                state = 'touched' if index < count else 'next' if index == count else 'later'
+                detail = details[index] if index < len(details) else self.text('frames.touched')
+                self._build_row(index, state, names[index], detail if state == 'touched' else '')
+
+    def _build_row(self, index: int, state: str, name: str, detail: str) -> None:
+        with ui.element('div').classes(f'touched-point {state}'):
+            ui.icon(ICONS[state])
+            ui.label(name).classes('name')
+            ui.label(detail).classes('number detail')
+            if state == 'touched':
+                label = self.text('frames.remove', name=name)
+                remove = partial(self.operator.measuring.remove, self._kind, index)
+                icon_button('close', label, partial(self.do, self.operator.measure, remove))
 
 
 def show_result(label: ui.label, text: str, *, wrong: bool) -> None:

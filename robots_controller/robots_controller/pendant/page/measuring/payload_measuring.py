@@ -23,17 +23,15 @@ class PayloadMeasuring(Guide):
         text = self.text
         self._found: IdentifiedPayload | None = None
         with ui.element('div').classes('row-of-buttons'):
-            for key, icon, press in (
-                ('record', 'fiber_manual_record', self._record),
-                ('evaluate', 'functions', self._evaluate),
-            ):
-                ActionButton(self.viewer, Action.OVERRIDE, text(f'frames.{key}'), icon, press)
+            viewer, may = self.viewer, Action.OVERRIDE
+            ActionButton(viewer, may, text('frames.record'), 'fiber_manual_record', self._record)
+            ActionButton(viewer, may, text('frames.evaluate'), 'functions', self._evaluate)
             self._duration = ui.label().classes('number')
         self._shown = ui.label().classes('found number')
         self._show(None)
 
     async def _record(self) -> None:
-        if await self.viewer.do(self.line, self._start):
+        if await self.do(self._start):
             self._show(None)
 
     def _start(self, viewer: str) -> None:
@@ -44,7 +42,7 @@ class PayloadMeasuring(Guide):
         operator.motion.start()
 
     async def _evaluate(self) -> None:
-        found = await self.viewer.do(self.line, self._identify)
+        found = await self.do(self._identify)
         self._show(found[0] if found else None)
 
     def _identify(self, viewer: str) -> IdentifiedPayload:

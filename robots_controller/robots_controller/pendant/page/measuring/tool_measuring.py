@@ -9,8 +9,7 @@ from nicegui import ui
 from robots_controller.measuring.frame_measuring import NEEDED
 from robots_controller.measuring.shown_numbers import degrees, millimetres
 from robots_controller.pendant.page.elements import Choice
-from robots_controller.pendant.page.measuring.guide import Guide, show_result
-from robots_controller.pendant.page.measuring.touched_points import TouchedPoints
+from robots_controller.pendant.page.measuring.guide import Guide, TouchedPoints, show_result
 from robots_core.blocks.calibration.three_points import AXES, Axis
 from robots_core.errors import MeasurementError
 
