@@ -11,7 +11,7 @@ from typing import Any
 
 from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import DetachedCell
+from robots_controller.program.cell_port import CellPort
 
 DEADLINE = 120.0  # s
 TOKEN = 'the token'  # noqa: S105
@@ -86,7 +86,7 @@ class DebuggedProgram:
     def __init__(self, folder: Path, text: str) -> None:
         self.path = folder / 'test.lua'
         self.path.write_text(text)
-        cell = DetachedCell()
+        cell = CellPort()
         self.program = LuaProgram(6, cell)
         self.server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
         cell.held_changed = partial(self._tell, 'on_held')

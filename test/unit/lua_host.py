@@ -11,17 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import DetachedCell
-from robots_controller.program.program_robot import ProgramRobot
+from robots_controller.program.cell_port import CellPort, ProgramRobot
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
 DEADLINE = 120.0  # s, for programs that should need milliseconds
 
 
-def cell_with(**functions: Callable[..., Any]) -> DetachedCell:
+def cell_with(**functions: Callable[..., Any]) -> CellPort:
     """A cell without a robot, except for some functions of its port, or of that of its robot."""
-    cell = DetachedCell()
+    cell = CellPort()
     for name, function in functions.items():
         port = cell.robot if hasattr(cell.robot, name) else cell
         assert callable(getattr(port, name)), name
@@ -50,7 +49,7 @@ class LuaHost:
         functions = {
             name: options.pop(name)
             for name in tuple(options)
-            if hasattr(DetachedCell, name) or hasattr(ProgramRobot, name)
+            if hasattr(CellPort, name) or hasattr(ProgramRobot, name)
         }
         self.program = LuaProgram(
             num_axes,

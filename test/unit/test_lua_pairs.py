@@ -14,8 +14,8 @@ from .lua_host import cell_with
 
 RUN = (
     'import sys; from robots_controller.interpreter.lua_program import LuaProgram\n'
-    'from robots_controller.program.cell_port import DetachedCell\n'
-    'cell = DetachedCell(); cell.printed = lambda text, line: print(text); program = LuaProgram(6, cell)\n'
+    'from robots_controller.program.cell_port import CellPort\n'
+    'cell = CellPort(); cell.printed = lambda text, line: print(text); program = LuaProgram(6, cell)\n'
     'program.open(sys.argv[1]); program.run(); program.join()'
 )
 

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any
 
 from robots_controller.cell.ports import RobotPort
+from robots_controller.program.cell_port import ProgramRobot
 from robots_core.errors import ProgramError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -15,7 +16,7 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 
 
-class MeasuredRobot:
+class MeasuredRobot(ProgramRobot):
     """See `ProgramRobot`.
 
     Args:

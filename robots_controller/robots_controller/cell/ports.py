@@ -22,8 +22,9 @@ class PlannerPort(Protocol):
     def name(self) -> str:
         """The node or action that plans, for people."""
 
-    def plans(self, command: MotionCommand) -> bool:
+    def plans(self, command: MotionCommand) -> bool:  # noqa: ARG002
         """A planner takes motions of this kind."""
+        return True
 
     def differs(self, settings: Mapping[str, object]) -> bool:
         """The planner has other modal settings than these."""
@@ -31,6 +32,7 @@ class PlannerPort(Protocol):
     @property
     def configurable(self) -> bool:
         """The planner takes settings now."""
+        return True
 
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
         """Set these modal settings and take back all others; returns at once.
@@ -95,8 +97,8 @@ class RobotPort(Protocol):
         """
 
 
-class ProgramObserver(Protocol):
-    """The observers of a program: operators, recorders, editors."""
+class ProgramObserver:
+    """The observers of a program: operators, recorders, editors. They override what they take."""
 
     def command_state(self, state: RobotCommandState) -> None:
         """What the robot is commanded to do."""

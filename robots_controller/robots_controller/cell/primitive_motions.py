@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from robots_controller.cell.path_switching import PathSwitching
-from robots_controller.cell.ports import Configured
+from robots_controller.cell.ports import Configured, PlannerPort
 from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.motions.modal_settings import motion_settings
 from robots_controller.program.motions.motion_command import MotionCommand
@@ -50,8 +50,8 @@ class _Motion:
     planned: PlannedPrimitive
 
 
-class PrimitiveMotions:
-    """The motions of one program: `PlannerPort`.
+class PrimitiveMotions(PlannerPort):
+    """The motions of one program.
 
     A motion that stops at its end is a sequence with those before it that blend into it. What other threads
     ask for is done in `step`; all else happens in the thread of the reports.
@@ -98,11 +98,6 @@ class PrimitiveMotions:
     def differs(self, settings: Mapping[str, object]) -> bool:
         """See `PlannerPort`."""
         return dict(settings) != self._settings
-
-    @property
-    def configurable(self) -> bool:
-        """Always: see `PlannerPort`."""
-        return True
 
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:  # noqa: ARG002
         """See `PlannerPort`."""

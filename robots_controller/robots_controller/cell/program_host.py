@@ -17,9 +17,9 @@ from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
+from robots_controller.program.cell_port import CellPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_robot import ProgramRobot
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -29,7 +29,7 @@ from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
-class ProgramHost:
+class ProgramHost(CellPort):
     """A program, its motions, the outputs that they switch, and the reports of all that.
 
     It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,
@@ -77,7 +77,7 @@ class ProgramHost:
         self.payload, self.simulated = payload, simulated
         self.clock = clock
         self._robot_port = robot_port
-        self.robot: ProgramRobot = MeasuredRobot(robot, robot_port)
+        self.robot = MeasuredRobot(robot, robot_port)
         self._controller, self._observer = controller, observer
         self.program = LuaProgram(
             robot.num_axes,

@@ -14,7 +14,7 @@ from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, Step
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
-from robots_controller.program.cell_port import CellPort, DetachedCell
+from robots_controller.program.cell_port import CellPort
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.files.taught_points import SUFFIX
@@ -60,7 +60,7 @@ class LuaProgram(ProgramState):
         check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        self._cell = cell or DetachedCell()  # type: ignore[abstract]  # empty bodies are its own
+        self._cell = cell or CellPort()
         super().__init__(
             num_axes,
             digital=digital_size,

@@ -15,6 +15,7 @@ from std_msgs.msg import String
 
 from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_changed
 from robots_controller.cell.point_teaching import PointTeaching
+from robots_controller.cell.ports import ProgramObserver
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer, new_token
@@ -33,7 +34,7 @@ from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.nodes.ports.program.program_clock import ProgramClock
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions import path_switches
-from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.driver_file import Driver, read_driver
@@ -62,7 +63,7 @@ FILES: Final = ('program', 'points_file', 'frames_file')
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 
 
-class LuaProgramNode(RobotNode):
+class LuaProgramNode(RobotNode, ProgramObserver):
     """Opens, runs, pauses and stops a program; publishes what it commands, switches and prints.
 
     The program's text output goes to the log, from the child logger `print`.
@@ -318,12 +319,6 @@ class LuaProgramNode(RobotNode):
     def command_state(self, state: RobotCommandState) -> None:
         """See `ProgramObserver`."""
         self._command_state_publisher.publish(String(data=state.value))
-
-    def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
-        """See `ProgramObserver`; the status names it."""
-
-    def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
-        """See `ProgramObserver`; the result was published."""
 
     def status(self, _state: RunState, status: Status) -> None:
         """See `ProgramObserver`."""

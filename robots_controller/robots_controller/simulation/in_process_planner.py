@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.cell.ports import Configured
+from robots_controller.cell.ports import Configured, PlannerPort
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.program.motions.modal_settings import PLANNING_NODE, motion_settings, without_blend
 from robots_controller.program.motions.motion_command import MotionCommand
@@ -31,7 +31,7 @@ Mail = deque[Callable[[], None]]
 """What was sent and is not delivered yet, in the order in which it was sent."""
 
 
-class InProcessPlanner:
+class InProcessPlanner(PlannerPort):
     """Both ends of the messages between program, planner and controller: `PlannerPort`, `MotionPlannerPort`.
 
     Args:
@@ -73,18 +73,9 @@ class InProcessPlanner:
 
     # -- the program's end ----------------------------------------------------------------------------
 
-    def plans(self, command: MotionCommand) -> bool:  # noqa: ARG002
-        """Always: see `PlannerPort`."""
-        return True
-
     def differs(self, settings: Mapping[str, object]) -> bool:
         """See `PlannerPort`."""
         return dict(settings) != self._configured
-
-    @property
-    def configurable(self) -> bool:
-        """Always: see `PlannerPort`."""
-        return True
 
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:  # noqa: ARG002
         """See `PlannerPort`."""

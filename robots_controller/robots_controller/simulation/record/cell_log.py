@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.cell.guide_recording import GuidingMessage
+from robots_controller.cell.ports import ProgramObserver
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
@@ -44,8 +45,8 @@ from robots_planning.robot_command_state import RobotCommandState
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 
 
-class CellLog:
-    """Called by the thread that has the turn, see `SimulatedClock`; a `ProgramObserver`.
+class CellLog(ProgramObserver):
+    """Called by the thread that has the turn, see `SimulatedClock`.
 
     Args:
         events: Takes the events.
@@ -153,12 +154,6 @@ class CellLog:
         """See `ProgramObserver`."""
         if not id_ and error is not None:
             self._motions.refused(command, error, self._clock.elapsed)
-
-    def held_changed(self) -> None:
-        """See `ProgramObserver`; the status is written."""
-
-    def ended(self, error: ProgramError | None) -> None:
-        """See `ProgramObserver`; the status is written."""
 
     def override(self, value: float) -> None:
         """The program scales the speed."""
