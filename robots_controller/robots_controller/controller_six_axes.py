@@ -13,7 +13,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState
-from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
+from robots_controller.simulation.cell_parts import COLLISION_MARGIN, CellSetup, cell_parts
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.simulation_run import SimulatedMotion
@@ -67,17 +67,9 @@ class ControllerSixAxes:
         robot: The robot, its name, or urdf:/path/to/robot.urdf.
         program: Lua robot program.
         period: Time between two steps, s.
-        scene: What the robot keeps clear of (YAML, see `read_scene`); '' for nothing but itself.
         io: Names of inputs and outputs, values of inputs at the start, fail-safe values of outputs and inputs
             that stop the robot (YAML, see `read_plc_script`; its rules are not played); '' for none.
-        points_file: Taught points; '' for the file beside the program.
-        frames: Tools and bases (YAML, see `read_frames`); '' for frames.yaml beside the program.
-        goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
-            default.
-        tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
-        operating_mode: One of `OperatingMode`; in T1 and T2 run is held all the time.
-        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
-        collision_margin: Distance that motions keep, m.
+        scene: As of `simulate`; so are all arguments that follow it, but `io`.
 
     Raises:
         RobotsError: an unknown robot, a file that is not valid, a program that is not Lua, a number out of
@@ -100,8 +92,8 @@ class ControllerSixAxes:
         payload: tuple[float, ...] = NOTHING,
         collision_margin: float = COLLISION_MARGIN,
     ) -> None:
-        parts = cell_parts(
-            program,
+        setup = CellSetup(
+            program=program,
             robot=robot,
             scene=scene,
             io=io,
@@ -114,6 +106,7 @@ class ControllerSixAxes:
             points_file=points_file,
             frames=frames,
         )
+        parts = cell_parts(setup)
         self.robot = parts.robot
         self._cell = InProcessCell(parts)
         self._io = self._cell.program.io

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import FrameType
 
 from robots_controller.defaults import LONGEST_TIME, RATE
-from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
+from robots_controller.simulation.cell_parts import COLLISION_MARGIN, CellSetup, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
@@ -93,8 +93,8 @@ def simulate(
     positive(longest, 'longest', 's')
     if not patience > 0.0:
         raise InvalidInputError(f'patience = {patience!r} s must be above 0')
-    parts = cell_parts(
-        program,
+    setup = CellSetup(
+        program=program,
         robot=robot,
         scene=scene,
         io=io,
@@ -114,7 +114,7 @@ def simulate(
         guided=guided,
     )
     cell = SimulatedCell(
-        parts,
+        cell_parts(setup),
         drive=drive,
         bag=None if bag is None else Path(bag),
         longest=longest,

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from robots_controller.commands.cell_arguments import CELL_OPTIONS
 from robots_controller.simulation import simulated_cell
-from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.command_line import parse_options
 from robots_controller.simulation.simulated_cell import LONGEST_SPAN, SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
@@ -27,7 +27,8 @@ CASES = list(zip([*NAMES, *LANGUAGE], cycle(DRIVE_LEVELS), strict=False))
 
 def run(program: Path, drive: str, bag: Path, longest_span: int) -> SimulationRun:
     options = parse_options([str(program), '--drive', drive, '--rate', RATE])
-    parts = cell_parts(program, **{name: getattr(options, name) for name in CELL_OPTIONS if name != 'drive'})
+    names = [name for name in CELL_OPTIONS if name != 'drive']
+    parts = cell_parts(CellSetup(program=program, **{name: getattr(options, name) for name in names}))
     return SimulatedCell(
         parts, drive=drive, bag=bag, longest=options.longest, longest_span=longest_span
     ).run()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from robots_controller.program_check.walk import walk_program
-from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import Pose, load_robot_model
@@ -106,7 +106,9 @@ def run_into(tmp_path: Path, text: str, *coming: tuple[float, SceneObject]) -> S
     """Run a program with objects that come into its scene at times, s."""
     (tmp_path / 'scene.yaml').write_text(SCENE.replace('1.2, -1.2, 1.0', '5.0, 0.0, 0.0'))
     (tmp_path / 'program.lua').write_text(text)
-    parts = cell_parts(tmp_path / 'program.lua', robot=ROBOT, scene=tmp_path / 'scene.yaml')
+    parts = cell_parts(
+        CellSetup(program=tmp_path / 'program.lua', robot=ROBOT, scene=tmp_path / 'scene.yaml')
+    )
     waiting = list(coming)
 
     def check(time: float, _line: int) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from robots_controller.control.stops.faults import Fault, StopCategory
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 
@@ -31,7 +31,7 @@ def stopped(folder: Path, text: str, fault: Fault, at: float) -> SimulationRun:
         if time >= at and not cell._cell.controller.stops.latched:
             cell._cell.control.loop.trip(fault, f'{fault.label}!')
 
-    parts = cell_parts(program, robot=ROBOT)
+    parts = cell_parts(CellSetup(program=program, robot=ROBOT))
     cell = SimulatedCell(parts, drive='second_order', bag=folder / 'bag', longest=20.0, on_progress=trip)
     return cell.run()
 

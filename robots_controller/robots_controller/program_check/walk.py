@@ -16,7 +16,7 @@ from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.program_check.lenient_planning import LenientPlanning
 from robots_controller.program_check.motion_problems import motion_problems, planned_path, refusal
 from robots_controller.program_check.program_check import ProgramProblem
-from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
@@ -158,12 +158,13 @@ class _Walk:
         if left <= 0.0:
             late = f'not walked within the patience of {self.patience:g} s'
             return [ProgramProblem(Path(self.program).name, 0, late)], []
-        parts = cell_parts(self.program, robot=self.robot, scene=self.scene, frames=self.frames)
+        setup = CellSetup(program=self.program, robot=self.robot, scene=self.scene, frames=self.frames)
+        parts = cell_parts(setup)
         planning = LenientPlanning(parts.planning)
         cell_io = replace(parts.cell_io, script=combination.script(_script(self.io)))
         # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
         # unknown.
-        parts = replace(parts, planning=planning, cell_io=cell_io, io='', scene='', unguided=True)
+        parts = replace(parts, planning=planning, cell_io=cell_io, walked=True)
         cell = SimulatedCell(parts, drive='ideal', longest=self.longest, patience=left)
         run = cell.run()
         found: dict[ProgramProblem, None] = {}

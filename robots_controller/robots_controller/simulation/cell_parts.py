@@ -34,120 +34,109 @@ from robots_planning.pathplanning import PathPlanning
 COLLISION_MARGIN = 0.005  # m; as planning_node
 
 
+@dataclass(frozen=True, kw_only=True)
+class CellSetup:
+    """A cell in one process as its user describes it; `simulate` explains each attribute.
+
+    The robot may be loaded already.
+    """
+
+    program: Path | str
+    robot: BaseRobotModel | str
+    scene: Path | str = ''
+    io: Path | str = ''
+    io_map: Path | str = ''
+    rate: float = RATE
+    goal_tolerance: float | None = None
+    tool_speed_limit: float = 0.0
+    operating_mode: str = OperatingMode.AUTOMATIC
+    payload: tuple[float, ...] = NOTHING
+    collision_margin: float = COLLISION_MARGIN
+    points_file: Path | str = ''
+    frames: Path | str = ''
+    references: Path | str = ''
+    contact: Path | str = ''
+    orbit: Path | str = ''
+    cabin: Path | str = ''
+    guided: str = METHODS[0]
+
+
 @dataclass(frozen=True, eq=False)
 class CellParts:
     """Everything that one run needs but the drives; its blocks have a state and serve one run.
 
     Attributes:
-        program: Path of the program.
-        points_file: Taught points; None for the file beside the program.
-        frames_file: Tools and bases; None for the file beside the program.
-        robot_name: As it was asked for.
+        setup: What they were made of.
         robot: The robot.
-        payload: What the robot carries until its program sets another payload.
         controller: The controller.
         planning: The planner, with the check for collisions.
         cell_io: The PLC, and what its files declare.
         emergency_stop: Inputs that stop the robot.
         zone_inputs: Inputs that close the borders of zones.
-        scene: Path of the scene, '' for none.
-        io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
         contact: What its tool touches, and the force control that guides it then; None for nothing.
-        orbit: Path of the orbit in which the robot's base floats, '' for none.
         cabin: The cabin that it carries; None for none.
-        guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
-        unguided: The robot stands while the program lets others guide it.
+        walked: As `walk_program` runs it: no guard stops the robot, which stands while others may guide it.
     """
 
-    program: Path
-    points_file: Path | None
-    frames_file: Path | None
-    robot_name: str
+    setup: CellSetup
     robot: BaseRobotModel
-    payload: tuple[float, ...]
     controller: Controller
     planning: PathPlanning
     cell_io: CellIo
     emergency_stop: Stopping
     zone_inputs: Closing
-    scene: str
-    io: str
     references: GuideRecording | None
     contact: ContactSetup | None
-    orbit: str
     cabin: Cabin | None
-    guided: str
     period: float
-    unguided: bool = False
+    walked: bool = False
+
+    @property
+    def robot_name(self) -> str:
+        """The robot as it was asked for."""
+        return self.setup.robot if isinstance(self.setup.robot, str) else self.robot.name
 
 
-def cell_parts(
-    program: Path | str,
-    *,
-    robot: BaseRobotModel | str,
-    scene: Path | str = '',
-    io: Path | str = '',
-    io_map: Path | str = '',
-    rate: float = RATE,
-    goal_tolerance: float | None = None,
-    tool_speed_limit: float = 0.0,
-    operating_mode: str = OperatingMode.AUTOMATIC,
-    payload: tuple[float, ...] = NOTHING,
-    collision_margin: float = COLLISION_MARGIN,
-    points_file: Path | str = '',
-    frames: Path | str = '',
-    references: Path | str = '',
-    contact: Path | str = '',
-    orbit: Path | str = '',
-    cabin: Path | str = '',
-    guided: str = METHODS[0],
-) -> CellParts:
-    """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
+def cell_parts(setup: CellSetup) -> CellParts:
+    """The parts of a cell.
 
     Raises:
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
     """
-    period = 1.0 / positive(rate, 'rate', 'Hz')
-    check_one_guide(references or cabin, contact, orbit)
-    model = load_robot_model(robot) if isinstance(robot, str) else robot
-    cell_io = read_cell_io(io, io_map, orbit=orbit)
-    collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
+    period = 1.0 / positive(setup.rate, 'rate', 'Hz')
+    check_one_guide(setup.references or setup.cabin, setup.contact, setup.orbit)
+    robot = load_robot_model(setup.robot) if isinstance(setup.robot, str) else setup.robot
+    cell_io = read_cell_io(setup.io, setup.io_map, orbit=setup.orbit)
+    collision = CollisionDetection(robot, scene=read_scene(setup.scene) if setup.scene else None)
     zones = collision.scene.zones
-    tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    authority = CommandAuthority(OperatingMode(operating_mode), hold_timeout=0.0)
-    limit = authority.speed_limit(checked_speed_limit(tool_speed_limit))
+    tolerance = {} if setup.goal_tolerance is None else {'goal_tolerance': setup.goal_tolerance}
+    authority = CommandAuthority(OperatingMode(setup.operating_mode), hold_timeout=0.0)
+    limit = authority.speed_limit(checked_speed_limit(setup.tool_speed_limit))
     settings = ControllerSettings(period=period, **tolerance)
     speed = SpeedControl(
-        model.axes_data,
+        robot.axes_data,
         settings,
-        frame_limit=FrameSpeedLimit(model, limit),
+        frame_limit=FrameSpeedLimit(robot, limit),
         authority=authority,
-        zones=ZoneGuard(model, collision.scene) if zones else None,
+        zones=ZoneGuard(robot, collision.scene) if zones else None,
     )
     return CellParts(
-        program=Path(program),
-        points_file=Path(points_file) if points_file else None,
-        frames_file=Path(frames) if frames else None,
-        robot_name=robot if isinstance(robot, str) else model.name,
-        robot=model,
-        payload=payload,
-        controller=Controller(model.axes_data, settings, speed=speed),
-        planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
+        setup=setup,
+        robot=robot,
+        controller=Controller(robot.axes_data, settings, speed=speed),
+        planning=PathPlanning(robot, collision=collision, collision_margin=setup.collision_margin),
         cell_io=cell_io,
         emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
         zone_inputs=closing_inputs(zones, cell_io.signals),
-        scene=str(scene),
-        io=str(io),
-        references=_recording(references, model, cabin) if references else None,
-        contact=read_contact(contact) if contact else None,
-        orbit=str(orbit),
-        cabin=read_cabin(cabin) if cabin else None,
-        guided=guided,
+        references=_recording(setup, robot) if setup.references else None,
+        contact=read_contact(setup.contact) if setup.contact else None,
+        cabin=read_cabin(setup.cabin) if setup.cabin else None,
         period=period,
     )
 
 
-def _recording(path: Path | str, robot: BaseRobotModel, cabin: Path | str) -> GuideRecording:
-    return read_guide_recording(path, robot.axes_data.names, base_link=robot.base_link, cabin=bool(cabin))
+def _recording(setup: CellSetup, robot: BaseRobotModel) -> GuideRecording:
+    names, base_link = robot.axes_data.names, robot.base_link
+    return read_guide_recording(setup.references, names, base_link=base_link, cabin=bool(setup.cabin))

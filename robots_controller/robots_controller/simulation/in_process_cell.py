@@ -1,6 +1,7 @@
 """InProcessCell: the cell in one process, except for its drives and its PLC."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from robots_controller.cell.program_host import ProgramHost
@@ -15,7 +16,7 @@ from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.in_process_controller import InProcessController
-from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
+from robots_controller.simulation.in_process_planner import InProcessPlanner
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.record.motion_records import MotionRecords
@@ -75,19 +76,12 @@ class InProcessCell:
             robot=parts.robot_name,
             joints=parts.robot.axes_data.names,
         )
-        self._mail: Mail = Mail()
+        self.mail: deque[Callable[[], None]] = deque()
+        """What was sent and is not delivered yet, in the order in which it was sent."""
         self.controller: Controller = parts.controller
-        self.control = InProcessController(parts.controller, mail=self._mail, clock=self.clock, log=self.log)
+        self.control = InProcessController(self)
         loop = self.control.loop
-        link = InProcessPlanner(
-            parts.planning,
-            payload=parts.payload,
-            mail=self._mail,
-            clock=self.clock,
-            control=loop,
-            log=self.log,
-            cost=self.cost,
-        )
+        link = InProcessPlanner(self, parts.planning, parts.setup.payload)
         self._planner = link.planner
         self._host = ProgramHost(
             parts.robot,
@@ -98,17 +92,9 @@ class InProcessCell:
             observer=self.log,
             io_labels=parts.cell_io.labels,
             fail_safe=parts.cell_io.fail_safe,
-            payload=parts.payload,
+            payload=parts.setup.payload,
             simulated=True,
         )
-        link.on_result = self._motion_ended
-        link.on_planned = self._motion_planned
-        link.on_settings = self._settings_changed
-        self.control.on_started = self._note_start
-        self.control.on_progress = self._progressed
-        self.control.on_result = self._control_ended
-        self.control.on_stop = self._stopped
-        self.control.on_run_enabled = self._run_enabled
         self.program = self._host.program
         self.contact = contact_of_cell(parts, self.program.io, loop, self.log)
         self.guide_player = SimulatedGuide(
@@ -116,13 +102,13 @@ class InProcessCell:
             parts.robot,
             loop,
             self._planner,
-            method=parts.guided,
+            method=parts.setup.guided,
             on_message=self.log.guided if camera is None else lambda *_: None,
             on_point=self.log.streamed,
         )
-        self.guide_player.carry(parts.payload)
+        self.guide_player.carry(parts.setup.payload)
         self._guard = None
-        if parts.scene and parts.planning.collision is not None:
+        if parts.setup.scene and not parts.walked and parts.planning.collision is not None:
             self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
         self._check_every = cycles(1.0 / parts.period, CHECK_RATE)
         self._watch_every = cycles(1.0 / parts.period, 1.0 / WATCH_PERIOD)
@@ -151,7 +137,8 @@ class InProcessCell:
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
         self.log.begin(io, self._parts.cell_io.labels, self._inputs, mode)
-        self._host.open(self._parts.program, self._parts.points_file or '', self._parts.frames_file or '')
+        setup = self._parts.setup
+        self._host.open(setup.program, setup.points_file, setup.frames)
         self._host.mode_changed(mode)
         self._watch_inputs()
 
@@ -303,8 +290,8 @@ class InProcessCell:
         self.cost.switch('other')
 
     def _deliver(self) -> None:
-        while self._mail:
-            self._mail.popleft()()
+        while self.mail:
+            self.mail.popleft()()
 
     def _end_program(self) -> None:
         self.running = False
@@ -320,16 +307,28 @@ class InProcessCell:
         self.control.loop.stop_before_collision()
         return True
 
-    def _note_start(self) -> None:
+    # -- from the controller and the planner --------------------------------------------------------
+
+    def motion_started(self) -> None:
+        """The controller begins with the oldest motion."""
         if self._planner.motions:
             self.records.started(self._planner.motions[0].id, self.clock.elapsed)
 
-    def _settings_changed(self, settings: MotionSettings) -> None:
+    def progressed(self, progress: float) -> None:
+        """Done part of the path, in the period in which it was reached."""
+        now = self.clock.now()
+        self.mail.append(lambda: self._host.switching.progress(now, progress))
+        if self._guard is not None:
+            self._guard.progress(progress)
+
+    def settings_changed(self, settings: MotionSettings) -> None:
+        """The modal settings are set."""
         self._on_settings(settings)
         self.guide_player.carry(settings.payload)
         self.controller.speed.set_tool(settings.tool_pose.r)
 
-    def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+    def motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+        """A plan goes to the controller; see `MotionPlannerPort.send`."""
         self._host.switching.planned(id_, ends, lambda: trajectory)
         if self._guard is not None:
             path = JointPath(
@@ -337,7 +336,13 @@ class InProcessCell:
             )
             self._guard.planned(id_, path)
 
-    def _motion_ended(self, result: MotionResult) -> None:
+    def control_ended(self, result: MotionResult) -> None:
+        """The controller has ended a motion."""
+        self._planner.result(result, self.clock.now())
+        self.motion_ended(result)
+
+    def motion_ended(self, result: MotionResult) -> None:
+        """A motion has ended, in the controller or before it reached that."""
         if not result.blocked:
             if self._guard is not None:
                 self._guard.ended(result.id)
@@ -346,25 +351,17 @@ class InProcessCell:
         self._host.motions.result(result)
         self.changed = True
 
-    def _control_ended(self, result: MotionResult) -> None:
-        self._planner.result(result, self.clock.now())
-        self._motion_ended(result)
-
-    def _progressed(self, progress: float) -> None:
-        now = self.clock.now()
-        self._mail.append(lambda: self._host.switching.progress(now, progress))
-        if self._guard is not None:
-            self._guard.progress(progress)
-
-    def _run_enabled(self, enabled: bool) -> None:  # noqa: FBT001  # as in `on_run_enabled`
+    def run_enabled(self, *, enabled: bool) -> None:
+        """Motions of programs may continue, or not any more."""
         if enabled is not self._host.permission.enabled:
-            self._mail.append(lambda: self._let_run(enabled=enabled))
+            self.mail.append(lambda: self._let_run(enabled=enabled))
 
     def _let_run(self, *, enabled: bool) -> None:
         self._host.run_enabled(enabled=enabled)
         self.changed = True
 
-    def _stopped(self, reason: str) -> None:
+    def stopped(self, reason: str) -> None:
+        """A fault stops the robot."""
         self._host.stop_changed(reason)
         self.changed = True
 
@@ -378,7 +375,7 @@ class InProcessCell:
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
-        if self._parts.unguided:
+        if self._parts.walked:
             return
         self.guide_player.hand_over(guide, self.clock.stamp)
         self.log.value('guide', guide.value)

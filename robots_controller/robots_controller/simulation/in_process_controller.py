@@ -1,55 +1,45 @@
 """InProcessController: the controller in one process with the program and the planner."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
-from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.span import Span
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.program.turn_clock import NANOSECONDS
-from robots_controller.simulation.in_process_planner import Mail
-from robots_controller.simulation.record.cell_log import CellLog
-from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
+
+if TYPE_CHECKING:
+    from robots_controller.simulation.in_process_cell import InProcessCell
 
 
 class InProcessController:
     """Both ends of the messages between the controller and the cell: `ControlPort`, `ControllerPort`.
 
     Args:
-        controller: The controller.
-        mail: Carries the messages.
-        clock: Simulated time.
-        log: Gets the messages.
+        cell: The cell.
     """
 
-    def __init__(self, controller: Controller, *, mail: Mail, clock: SimulatedClock, log: CellLog) -> None:
-        self.controller = controller
-        period = controller.settings.period
-        self._period_ns = round(period * NANOSECONDS)
-        self._mail, self._clock, self._log = mail, clock, log
-        self.rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
-        self.loop = ControlLoop(controller, self.rates, self, progress_every=1)
-        self._authority = controller.speed.authority
+    def __init__(self, cell: InProcessCell) -> None:
+        self._cell, self.controller = cell, cell.controller
+        self._mail, self._clock, self._log = cell.mail, cell.clock, cell.log
+        settings = self.controller.settings
+        self._period_ns = round(settings.period * NANOSECONDS)
+        self.rates = ControllerRates(1.0 / settings.period, settings.feedback_timeout)
+        self.loop = ControlLoop(self.controller, self.rates, self, progress_every=1)
+        self._authority = self.controller.speed.authority
         self._progress = 1.0
         self.position: Array | None = None
         """Measured at the end of the last period, (n,), rad (m); None if nothing was measured."""
-        self.on_started: Callable[[], None] = lambda: None
-        """Called when a motion starts."""
-        self.on_progress: Callable[[float], None] = lambda _: None
-        """Gets the done part of the path, in the period in which it was reached."""
-        self.on_result: Callable[[MotionResult], None] = lambda _: None
-        """Gets the results that the controller sends."""
-        self.on_stop: Callable[[str], None] = lambda _: None
-        """Gets the reason when a fault stops the robot."""
-        self.on_run_enabled: Callable[[bool], None] = lambda _: None
-        """Gets whether motions of programs may continue, whenever that changes."""
 
     @property
     def cycle(self) -> int:
@@ -116,16 +106,16 @@ class InProcessController:
         details = {**result.details, 'ended': f'{self._clock.now():.9f}'}
         result = replace(result, details=details)
         self._log.report('motion_result', result.status)
-        self._mail.append(lambda: self.on_result(result))
+        self._mail.append(partial(self._cell.control_ended, result))
 
     def progress(self, progress: float) -> None:
         """See `ControlPort`."""
         if progress < self._progress:  # of another motion than before
-            self._mail.append(self.on_started)
+            self._mail.append(self._cell.motion_started)
         self._progress = progress
         if progress in (0.0, 1.0) or self.loop.cycle % self.rates.progress_every == 0:
             self._log.progress(progress)
-        self.on_progress(progress)
+        self._cell.progressed(progress)
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`; a stopped sender keeps sending, as in a live cell."""
@@ -135,12 +125,12 @@ class InProcessController:
         self._log.value('drives_on', state.drives_on)
         self._log.report('stop_status', state.status)
         if state.fault is not None:
-            self._mail.append(partial(self.on_stop, state.reason))
+            self._mail.append(partial(self._cell.stopped, state.reason))
 
     def run_enabled(self, *, enabled: bool) -> None:
         """See `ControlPort`; a simulation needs no run button."""
         self._log.value('run_enabled', enabled)
-        self.on_run_enabled(enabled)
+        self._cell.run_enabled(enabled=enabled)
 
     # -- the program's end ----------------------------------------------------------------------------
 

@@ -2,72 +2,46 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from robots_controller.cell.ports import Configured, PlannerPort
-from robots_controller.control.control_loop import ControlLoop
 from robots_controller.program.motions.modal_settings import PLANNING_NODE, motion_settings, without_blend
 from robots_controller.program.motions.motion_command import MotionCommand
-from robots_controller.simulation.cost import Cost
-from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.record.ros_messages import id_of
-from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.trajectory_generator import Target
 
-Mail = deque[Callable[[], None]]
-"""What was sent and is not delivered yet, in the order in which it was sent."""
+if TYPE_CHECKING:
+    from robots_controller.simulation.in_process_cell import InProcessCell
 
 
 class InProcessPlanner(PlannerPort):
     """Both ends of the messages between program, planner and controller: `PlannerPort`, `MotionPlannerPort`.
 
     Args:
+        cell: The cell.
         planning: Plans.
         payload: What the robot carries where the program does not say it.
-        mail: Carries the messages.
-        clock: Simulated time.
-        control: Follows the plans.
-        log: Gets the messages.
-        cost: Gets the time that planning takes.
     """
 
-    def __init__(
-        self,
-        planning: PathPlanning,
-        *,
-        payload: tuple[float, ...],
-        mail: Mail,
-        clock: SimulatedClock,
-        control: ControlLoop,
-        log: CellLog,
-        cost: Cost,
-    ) -> None:
-        self._mail, self._clock, self._control = mail, clock, control
-        self._log, self._cost = log, cost
+    def __init__(self, cell: InProcessCell, planning: PathPlanning, payload: tuple[float, ...]) -> None:
+        self._cell, self._control = cell, cell.control.loop
+        self._mail, self._clock, self._log = cell.mail, cell.clock, cell.log
         self.planner = MotionPlanner(planning, self)
         self._defaults = {'payload': payload}
         self.planner.settings = motion_settings(self._defaults)
         self._configured: dict[str, object] = {}
         self._last_id = 0
-        self.on_result: Callable[[MotionResult], None] = lambda _: None
-        """Gets the results that the planner sends."""
-        self.on_planned: Callable[[str, Mapping[str, float], Trajectory], None] = lambda *_: None
-        """Gets each plan with its id and the ends of its commands."""
-        self.on_settings: Callable[[MotionSettings], None] = lambda _: None
-        """Gets the modal settings whenever they are set."""
 
     name: Final = PLANNING_NODE
 
@@ -140,12 +114,12 @@ class InProcessPlanner(PlannerPort):
         trajectory = motion.trajectory
         self._log.planned(id_, ends, motion, join_time)
         self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
-        self._mail.append(lambda: self.on_planned(id_, ends, trajectory))
+        self._mail.append(partial(self._cell.motion_planned, id_, ends, trajectory))
 
     def answer(self, result: MotionResult) -> None:
         """See `MotionPlannerPort`."""
         self._log.report('motion_result', result.status)
-        self._mail.append(lambda: self.on_result(result))
+        self._mail.append(partial(self._cell.motion_ended, result))
 
     def refused(self, topic: str, error: RobotsError) -> None:
         """See `MotionPlannerPort`; the result says it."""
@@ -165,13 +139,13 @@ class InProcessPlanner(PlannerPort):
         self._configured = settings
         self._log.settings(wanted)
         self._plan(partial(self.planner.configure, wanted))
-        self.on_settings(wanted)
+        self._cell.settings_changed(wanted)
         done(None)
 
     def _plan(self, work: Callable[[], object]) -> None:
-        before = self._cost.switch('planning')
+        before = self._cell.cost.switch('planning')
         work()
-        self._cost.switch(before)
+        self._cell.cost.switch(before)
 
 
 def _target(command: MotionCommand) -> Target:

@@ -65,16 +65,16 @@ class SimulatedCell:
         self._parts, self._drive, self._longest, self._on_progress = parts, drive, longest, on_progress
         robot, period = parts.robot, parts.period
         self._period_ns = round(period * NANOSECONDS)
-        payload = payload_of(parts.payload)
+        payload = payload_of(parts.setup.payload)
         self._drives = drive_train(
-            drive, robot, robot.home, period=period, payload=payload, orbit=parts.orbit
+            drive, robot, robot.home, period=period, payload=payload, orbit=parts.setup.orbit
         )
         self._supervised = SupervisedDrives(self._drives, robot.axes_data, period=period)
         self._recording = Recording(robot.num_axes, torque=self._drives.torque is not None)
         self._bag = (
             None if bag is None else SimulatedBag(bag, robot, period=period, recording=self._recording)
         )
-        carried = CarriedPayload(self._drives.load, parts.payload)
+        carried = CarriedPayload(self._drives.load, parts.setup.payload)
         bodies = self._drives.rendezvous
         self._bodies = None if bodies is None else SimulatedRendezvous(bodies, parts.robot_name)
         self._cell = InProcessCell(
@@ -263,11 +263,11 @@ class SimulatedCell:
         cell, parts, recording = self._cell, self._parts, self._recording
         position, velocity, torque = recording.states
         return SimulationRun(
-            program=parts.program,
+            program=Path(parts.setup.program),
             robot=parts.robot_name,
             drive=self._drive,
-            scene=parts.scene,
-            io=parts.io,
+            scene=str(parts.setup.scene),
+            io=str(parts.setup.io),
             period=parts.period,
             axes=parts.robot.axes_data.names,
             time=recording.time,
