@@ -169,7 +169,7 @@ class LuaProgram(ProgramState):
         Returns:
             True if it was running, or held for that reason.
         """
-        if self._hold('pause'):
+        if self.hold_for('pause'):
             return True
         with self.condition:
             waiting = self.hold_reason == 'release'
@@ -189,7 +189,7 @@ class LuaProgram(ProgramState):
         """Hold the program as long as a person does not hold run, and let it continue when one does."""
         self._enabled = enabled
         if not enabled:
-            self._hold('release')
+            self.hold_for('release')
         elif self.hold_reason == 'release':
             self._release(None)
 
@@ -268,11 +268,12 @@ class LuaProgram(ProgramState):
 
     # -- holding --------------------------------------------------------------------------------------
 
-    def _hold(self, reason: HoldReason) -> bool:
+    def hold_for(self, reason: HoldReason) -> bool:
+        """Hold the program, for a reason; False if it does not run."""
         if not self.change_run_state(RunState.RUNNING, RunState.PAUSED):
             return False
         self._set_hold_reason(reason)
-        self._report_hold()
+        self.report_hold()
         return True
 
     def _release(self, step: Step | None) -> bool:
@@ -282,13 +283,14 @@ class LuaProgram(ProgramState):
             self.debugger.step(step)
             self._set_hold_reason('')
             released = self.change_run_state(RunState.PAUSED, RunState.RUNNING)
-        self._report_hold()
+        self.report_hold()
         return released
 
     def _set_hold_reason(self, reason: HoldReason) -> None:
         self.hold_reason, self.call_stack = reason, CallStack()
 
-    def _report_hold(self) -> None:
+    def report_hold(self) -> None:
+        """Let the robot stand on its path, or continue, as the program wants it."""
         # One at a time: the state reported last is the present one.
         with self._hold_lock:
             held = self.robot_held
@@ -296,7 +298,8 @@ class LuaProgram(ProgramState):
                 self._reported_hold = held
                 self._cell.hold(held=held)
 
-    def _set_call_stack(self, stack: CallStack) -> None:
+    def set_call_stack(self, stack: CallStack) -> None:
+        """The program is held and looks like this; without frames it continues."""
         self.call_stack = stack
         self._cell.held_changed()
 
@@ -310,17 +313,7 @@ class LuaProgram(ProgramState):
             source.path.with_suffix(VALUES_SUFFIX),
             self.frames_file or source.path.with_name(FRAMES_FILE),
         )
-        run = ProgramRun(
-            source,
-            self,
-            self._cell,
-            view,
-            self.debugger,
-            hold=self._hold,
-            report_hold=self._report_hold,
-            held=self._set_call_stack,
-            line=self._set_line,
-        )
+        run = ProgramRun(source, self, self._cell, view)
         error: ProgramError | None = None
         try:
             error, stopped = run.run()
@@ -343,10 +336,11 @@ class LuaProgram(ProgramState):
         if self.motions:  # what stopped the robot releases it too
             self._reported_hold = False
         else:
-            self._report_hold()
+            self.report_hold()
         return error
 
-    def _set_line(self, source: LuaSource, line: int) -> None:
+    def set_line(self, source: LuaSource, line: int) -> None:
+        """The program calls a robot function on this line, or is held before it."""
         self._line_source, self.line = source, line
         self._cell.line_reached(line)
 

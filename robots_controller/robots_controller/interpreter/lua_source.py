@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final
 
 from robots_controller.interpreter.lua_sandbox import syntax_error
@@ -94,6 +94,30 @@ def read_source(path: Path | str) -> LuaSource:
     if text.startswith('#'):  # Lua skips a first line that names the interpreter
         text = '--' + text
     return LuaSource(file, text, written=written)
+
+
+def find_subprogram(main: LuaSource, name: str) -> LuaSource:
+    """Read a subprogram and check that it is Lua.
+
+    Args:
+        main: The main program; subprograms stand in its folder or below.
+        name: Seen from there; '.lua' may be left out.
+
+    Raises:
+        ProgramError: it leads elsewhere, cannot be read, or is not Lua.
+    """
+    if '\0' in name:
+        raise ProgramError(f'{name!r} has a null character; a subprogram is a file')
+    path = PurePosixPath(name if name.endswith('.lua') else f'{name}.lua')
+    folder = main.path.resolve().parent
+    file = (folder / path).resolve()
+    if path.is_absolute() or not file.is_relative_to(folder):
+        raise ProgramError(
+            f'{name!r} leads out of the folder of {main.file}; subprograms stand in it or below'
+        )
+    source = LuaSource(file, read_source(file).text, label=str(path))
+    check_syntax(source)
+    return source
 
 
 def check_syntax(source: LuaSource) -> None:

@@ -1,69 +1,71 @@
 """ProgramRun: one run of a robot program, from its first line to its end."""
 
-from collections.abc import Callable
-from pathlib import PurePosixPath
+from __future__ import annotations
 
-from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, call_stack
+from collections.abc import Generator, Mapping, Sequence
+from copy import copy
+from typing import TYPE_CHECKING
+
+from robots_controller.degrees import for_program
+from robots_controller.interpreter.argument_kinds import Sizes
+from robots_controller.interpreter.debugger import CallStack, call_stack
+from robots_controller.interpreter.functions.lua_function import Serve
+from robots_controller.interpreter.functions.motions import Motions
 from robots_controller.interpreter.functions.run_context import RunContext
-from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.interpreter.functions.search import Search
+from robots_controller.interpreter.lua_arguments import Arguments, check_arguments
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, MAIN_FAMILIES, TASK_FAMILIES
 from robots_controller.interpreter.lua_sandbox import (
     MAX_MEMORY,
     Attention,
     LuaArgument,
+    LuaCallError,
     LuaFailure,
     LuaSandbox,
     Waiting,
 )
-from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
-from robots_controller.interpreter.robot_functions import RobotFunctions
+from robots_controller.interpreter.lua_source import LuaSource, find_subprogram
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.motions.motion_target import RobotView
-from robots_controller.program.program_state import ProgramState, RunState
-from robots_core.errors import ProgramError
+from robots_controller.program.program_state import RunState
+from robots_core.errors import ProgramError, RobotsError
+
+if TYPE_CHECKING:
+    from robots_controller.interpreter.lua_program import LuaProgram
 
 
 class ProgramRun:
-    """Serves the sandbox: the robot's functions, subprograms, interrupts, and the debugger.
+    """Serves the sandbox: the functions of `LUA_FUNCTIONS`, subprograms, interrupts, and the debugger.
 
     The sandbox calls it from the program's thread; every such method may raise ProgramStopped.
 
     Args:
-        source: The program.
-        state: What the program shares with its cell.
+        source: The text of the program.
+        program: The program.
         cell: The cell.
         view: The robot as the program reads it.
-        debugger: Where to hold.
-        hold: Holds the program, if it runs.
-        report_hold: The robot shall stand on its path, or continue.
-        held: The program is held and looks like this; without frames: it continues.
-        line: The program or subprogram calls a robot function on another line, or is held before a line.
     """
 
-    def __init__(
-        self,
-        source: LuaSource,
-        state: ProgramState,
-        cell: CellPort,
-        view: RobotView,
-        debugger: Debugger,
-        *,
-        hold: Callable[[HoldReason], bool],
-        report_hold: Callable[[], None],
-        held: Callable[[CallStack], None],
-        line: Callable[[LuaSource, int], None],
-    ) -> None:
-        self._source = source
-        self._state = state
-        self._cell = cell
-        self._debugger = debugger
-        self._hold = hold
-        self._report_hold = report_hold
-        self._held = held
-        self._report_line = line
+    def __init__(self, source: LuaSource, program: LuaProgram, cell: CellPort, view: RobotView) -> None:
+        self._source, self._program, self._cell = source, program, cell
+        self._debugger = program.debugger
         self._sources = {source.chunk_name: source}
         self._chunk = ''
-        self._robot = RunContext(state, cell, view, self._subprogram, hold)
-        self._functions = RobotFunctions(self._robot, motion_ended=self._motion_ended)
+        self._robot = run = RunContext(program, cell, view, self._subprogram, program.hold_for)
+        self._motions = run.waits = Motions(run, self._motion_ended)
+        self._sizes = Sizes.of(program.num_axes, program.io, view.prismatic)
+        families = (
+            self._motions,
+            Search(run, self._motions, self._sizes, self._check),
+            *(family(run) for family in (*MAIN_FAMILIES, *TASK_FAMILIES)),
+        )
+        self._handlers = {name: serve for family in families for name, serve in family.handlers.items()}
+        self._task_run = copy(run)
+        self._task_run.waits = program.tasks
+        task_families = [family(self._task_run) for family in TASK_FAMILIES]
+        self._task_handlers = {
+            name: serve for family in task_families for name, serve in family.handlers.items()
+        }
 
     def run(self) -> tuple[ProgramError | None, bool]:
         """Run the program to its end.
@@ -72,7 +74,7 @@ class ProgramRun:
             Why it failed, if so, and whether it was stopped.
         """
         sandbox = LuaSandbox(
-            self._source, functions=tuple(LUA_FUNCTIONS), host=self, spell=self._state.clock.spell
+            self._source, functions=tuple(LUA_FUNCTIONS), host=self, spell=self._program.clock.spell
         )
         try:
             failure = sandbox.run()
@@ -89,7 +91,7 @@ class ProgramRun:
         else:
             error = self._error(failure)
             self._robot.pulses.end(all_of_them=True)
-            if error is not None and self._state.motions:
+            if error is not None and self._program.motions:
                 self._cell.abort()
         if error is not None or sandbox.stopped:
             self._cell.interrupted()
@@ -102,18 +104,22 @@ class ProgramRun:
     # -- called by the sandbox --------------------------------------------------------------------
 
     def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Waiting:
-        """Serve a call of a robot function; '' at the program's end. Raises a LuaCallError."""
+        """Serve a call of a robot function; '' at the program's end.
+
+        Raises:
+            LuaCallError: wrong arguments, or a motion that failed.
+        """
         if not name:
-            return self._functions.finish()
-        if self._state.tasks.current is not None:
-            return self._functions.serve_task(name, line, arguments)
+            return self._finish()
+        if self._program.tasks.current is not None:
+            return self._serve_task(name, line, arguments)
         self._set_line(chunk, line)
-        self._state.clock.called()
-        return self._functions.serve(name, arguments)
+        self._program.clock.called()
+        return self._serve_main(name, arguments)
 
     def poll(self) -> Attention:
         """What interrupts the program while it computes; asked every few milliseconds."""
-        attention = Attention.ATTEND if self._state.needs_attention() else Attention.NONE
+        attention = Attention.ATTEND if self._program.needs_attention() else Attention.NONE
         if self._debugger.tracing:
             attention |= Attention.TRACE
             if self._debugger.needs_depth:
@@ -122,7 +128,7 @@ class ProgramRun:
 
     def computed(self, chunk: str, line: int) -> Attention:
         """Let time pass for a program that computes without ever waiting."""
-        clock = self._state.clock
+        clock = self._program.clock
         if clock.computes():
             self._set_line(chunk, line)
             clock.pass_period()
@@ -133,7 +139,7 @@ class ProgramRun:
         reason = self._debugger.at_line(chunk, line, depth)
         if reason:
             self._set_line(chunk, line)
-            self._hold(reason)
+            self._program.hold_for(reason)
         return self.poll()
 
     def attention(self, task: int) -> int | None:
@@ -142,7 +148,7 @@ class ProgramRun:
         Args:
             task: A task that begins; the negative of one that has ended; 0 for none.
         """
-        state = self._state
+        state = self._program
         state.tasks.current = None
         if task > 0:
             state.tasks.begin(task)
@@ -160,8 +166,8 @@ class ProgramRun:
                     return None
                 state.tasks.run(due)
                 return -due
-            handler = self._functions.motions.begin_handler()
-        self._report_hold()
+            handler = self._motions.begin_handler()
+        self._program.report_hold()
         return handler
 
     def held(self, *records: str) -> Attention:
@@ -169,35 +175,69 @@ class ProgramRun:
         stack = call_stack(records)
         if stack.frames:
             frame = stack.frames[0]
-            self._report_line(self._sources.get(frame.chunk, self._source), frame.line)
-        self._held(stack)
+            self._program.set_line(self._sources.get(frame.chunk, self._source), frame.line)
+        self._program.set_call_stack(stack)
         while True:
-            self._state.hold()
-            if self._state.run_state is not RunState.PAUSED:
+            self._program.hold()
+            if self._program.run_state is not RunState.PAUSED:
                 break
             self._robot.pulses.end()
         self._debugger.set_depth(stack.depth)
-        self._held(CallStack())
+        self._program.set_call_stack(CallStack())
         return self.poll()
 
     def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
         """The handler of an input has ended; the motion under way continues, or not."""
         try:
-            self._functions.motions.handled(abort=abort)
+            self._motions.handled(abort=abort)
         finally:
-            self._report_hold()
+            self._program.report_hold()
 
     # -- inside -----------------------------------------------------------------------------------
+
+    def _serve_main(self, name: str, arguments: list[LuaArgument]) -> Waiting:
+        while self._program.needs_attention():
+            yield
+        return (yield from self._serve(self._handlers, name, arguments))
+
+    def _serve_task(self, name: str, line: int, arguments: list[LuaArgument]) -> Waiting:
+        yield from self._program.tasks.called()
+        self._task_run.line, self._task_run.view = line, self._robot.view
+        if name not in self._task_handlers:
+            raise LuaCallError(
+                f'{name}: not in a task; the main program moves the robot and sets what holds for motions'
+            )
+        return (yield from self._serve(self._task_handlers, name, arguments))
+
+    def _serve(self, handlers: Mapping[str, Serve], name: str, arguments: list[LuaArgument]) -> Waiting:
+        checked = self._check(name, arguments)
+        options = {} if checked.options is None else {'options': checked.options}
+        try:
+            result = handlers[name](*checked.values, *checked.more, **options)
+            if isinstance(result, Generator):
+                result = yield from result
+        except RobotsError as error:
+            raise LuaCallError(f'{name}: {for_program(error)}') from error
+        return result
+
+    def _check(self, name: str, arguments: Sequence[LuaArgument]) -> Arguments:
+        return check_arguments(LUA_FUNCTIONS[name], arguments, self._sizes)
+
+    def _finish(self) -> Waiting:
+        """Wait until the robot stands and the last pulse is over."""
+        yield from self._motions.standstill()
+        yield from self._motions.waiting(lambda: not self._robot.pulses.any)
+        return None
 
     def _set_line(self, chunk: str, line: int) -> None:
         if (chunk, line) != (self._chunk, self._robot.line):
             self._chunk, self._robot.line = chunk, line
-            self._report_line(self._sources.get(chunk, self._source), line)
+            self._program.set_line(self._sources.get(chunk, self._source), line)
 
     def _motion_ended(self) -> None:
         reason = self._debugger.at_motion_end()
         if reason:
-            self._hold(reason)
+            self._program.hold_for(reason)
 
     def _subprogram(self, name: str) -> tuple[str, str]:
         source = find_subprogram(self._source, name)
@@ -207,10 +247,10 @@ class ProgramRun:
     def _error(self, failure: LuaFailure | None) -> ProgramError | None:
         if failure is None:
             return None
-        functions, source = self._functions.motions, self._sources.get(failure.chunk, self._source)
+        motions, source = self._motions, self._sources.get(failure.chunk, self._source)
         details: dict[str, str | float] = {}
-        if functions.error is not None and failure.reason == functions.error_text:
-            details |= functions.error.details
+        if motions.error is not None and failure.reason == motions.error_text:
+            details |= motions.error.details
         details |= {'stack': failure.stack, 'source': source.line(failure.line)}
         for own in ('message', 'file', 'line'):
             details.pop(own, None)
@@ -218,27 +258,3 @@ class ProgramRun:
         if reason == 'not enough memory':
             reason += f': the values of a program may take {MAX_MEMORY // 1_000_000} MB'
         return ProgramError(reason, file=source.file, line=failure.line, **details)
-
-
-def find_subprogram(main: LuaSource, name: str) -> LuaSource:
-    """Read a subprogram and check that it is Lua.
-
-    Args:
-        main: The main program; subprograms stand in its folder or below.
-        name: Seen from there; '.lua' may be left out.
-
-    Raises:
-        ProgramError: it leads elsewhere, cannot be read, or is not Lua.
-    """
-    if '\0' in name:
-        raise ProgramError(f'{name!r} has a null character; a subprogram is a file')
-    path = PurePosixPath(name if name.endswith('.lua') else f'{name}.lua')
-    folder = main.path.resolve().parent
-    file = (folder / path).resolve()
-    if path.is_absolute() or not file.is_relative_to(folder):
-        raise ProgramError(
-            f'{name!r} leads out of the folder of {main.file}; subprograms stand in it or below'
-        )
-    source = LuaSource(file, read_source(file).text, label=str(path))
-    check_syntax(source)
-    return source

@@ -10,9 +10,8 @@ from pathlib import Path
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, TASK_FUNCTIONS
-from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
+from robots_controller.interpreter.lua_source import LuaSource, check_syntax, find_subprogram, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
-from robots_controller.interpreter.program_run import find_subprogram
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.files.cell_frames import FRAMES_FILE
