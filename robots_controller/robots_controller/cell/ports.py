@@ -74,6 +74,7 @@ class ControllerPort(Protocol):
 
         A motion sent before could be the first of a free robot, which cannot be taken while it moves.
         """
+        return
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""

@@ -37,8 +37,9 @@ class ControlPort(Protocol):
     def progress(self, progress: float) -> None:
         """Done part of the current path, 0..1."""
 
-    def stream_refused(self, error: RobotsError, now: float) -> None:
+    def stream_refused(self, error: RobotsError, now: float) -> None:  # noqa: ARG002
         """A streamed point was refused."""
+        return
 
     def stop_changed(self, state: StopState) -> None:
         """A fault holds the robot, the drives are switched, or the robot may move; also at the start."""

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from robots_controller.control.control_loop import ControllerRequest, ControlLoop
+from robots_controller.cell.ports import ControllerPort
+from robots_controller.control.control_loop import ControllerRequest, ControlLoop, ControlPort
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.span import Span
@@ -15,15 +16,14 @@ from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
-from robots_core.errors import RobotsError
 from robots_core.validation import Array
 
 if TYPE_CHECKING:
     from robots_controller.simulation.in_process_cell import InProcessCell
 
 
-class InProcessController:
-    """Both ends of the messages between the controller and the cell: `ControlPort`, `ControllerPort`.
+class InProcessController(ControlPort, ControllerPort):
+    """Both ends of the messages between the controller and the cell.
 
     Args:
         cell: The cell.
@@ -117,9 +117,6 @@ class InProcessController:
             self._log.progress(progress)
         self._cell.progressed(progress)
 
-    def stream_refused(self, error: RobotsError, now: float) -> None:
-        """See `ControlPort`; a stopped sender keeps sending, as in a live cell."""
-
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
         self._log.value('drives_on', state.drives_on)
@@ -145,9 +142,6 @@ class InProcessController:
         else:
             self._authority.give_back(Commander.PROGRAM)
         self._log.value('commander', self._authority.commander.value)
-
-    def wait_for_command(self) -> None:
-        """See `ControllerPort`; it has answered."""
 
     def set_override(self, value: float) -> None:
         """See `ControllerPort`."""

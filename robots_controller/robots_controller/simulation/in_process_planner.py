@@ -13,10 +13,10 @@ from robots_controller.program.motions.modal_settings import PLANNING_NODE, moti
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.simulation.record.ros_messages import id_of
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import PlanningError, RobotsError
+from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.motion_planner import MotionPlanner
+from robots_planning.commands.motion_planner import MotionPlanner, MotionPlannerPort
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.trajectory_generator import Target
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from robots_controller.simulation.in_process_cell import InProcessCell
 
 
-class InProcessPlanner(PlannerPort):
-    """Both ends of the messages between program, planner and controller: `PlannerPort`, `MotionPlannerPort`.
+class InProcessPlanner(PlannerPort, MotionPlannerPort):
+    """Both ends of the messages between program, planner and controller.
 
     Args:
         cell: The cell.
@@ -86,20 +86,9 @@ class InProcessPlanner(PlannerPort):
         reference = self._control.controller.reference
         return None if reference is None else (np.array(reference[0]), reference[1])
 
-    def controllers(self) -> frozenset[bytes]:
-        """See `MotionPlannerPort`: always the same one."""
-        return frozenset()
-
-    def missed(self) -> bool:
-        """Never: see `MotionPlannerPort`."""
-        return False
-
     def submit(self, work: Callable[[], None]) -> None:
         """Now: see `MotionPlannerPort`."""
         work()
-
-    def release_after(self, patience: float) -> None:
-        """Never: a program says when nothing follows."""
 
     def send(
         self,
@@ -120,9 +109,6 @@ class InProcessPlanner(PlannerPort):
         """See `MotionPlannerPort`."""
         self._log.report('motion_result', result.status)
         self._mail.append(partial(self._cell.motion_ended, result))
-
-    def refused(self, topic: str, error: RobotsError) -> None:
-        """See `MotionPlannerPort`; the result says it."""
 
     def finished(self, *, done: bool) -> None:
         """See `MotionPlannerPort`."""

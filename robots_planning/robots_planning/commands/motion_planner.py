@@ -45,18 +45,21 @@ class MotionPlannerPort(Protocol):
 
     def controllers(self) -> frozenset[bytes]:
         """Identities of the controllers, for a while also of a killed one; a new process has another."""
+        return frozenset()
 
     def missed(self) -> bool:
         """Whether the process was held up for so long that the others have given up what they had commanded.
 
         True until its next sign of life.
         """
+        return False
 
     def submit(self, work: Callable[[], None]) -> None:
         """Do work that takes long: now, or in the planner's thread, one after the other."""
 
-    def release_after(self, patience: float) -> None:
+    def release_after(self, patience: float) -> None:  # noqa: ARG002
         """Call `end_wait` after this time, s, counted from the last call of this."""
+        return
 
     def send(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
@@ -75,8 +78,9 @@ class MotionPlannerPort(Protocol):
     def answer(self, result: MotionResult) -> None:
         """Send the result of a command that ends without a motion of its own."""
 
-    def refused(self, topic: str, error: RobotsError) -> None:
+    def refused(self, topic: str, error: RobotsError) -> None:  # noqa: ARG002
         """Report a command that was refused."""
+        return
 
     def finished(self, *, done: bool) -> None:
         """All motions have reached their targets, or one was sent."""
