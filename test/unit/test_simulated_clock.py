@@ -8,11 +8,11 @@ from collections.abc import Callable
 import pytest
 
 from robots_controller.program.clock import Clock
-from robots_controller.program.turn_clock import CALLS_PER_PERIOD, NANOSECONDS
+from robots_controller.program.turn_clock import CALLS_PER_PERIOD, CALLS_PERIOD, NANOSECONDS
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 
 START_TIME = START / NANOSECONDS
-PERIOD = 0.004
+PERIOD = CALLS_PERIOD
 
 
 class Program:
@@ -36,7 +36,7 @@ class Program:
 
 @pytest.fixture
 def clock() -> SimulatedClock:
-    return SimulatedClock(PERIOD)
+    return SimulatedClock()
 
 
 def test_it_is_a_clock(clock: SimulatedClock):

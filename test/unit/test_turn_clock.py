@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.program.turn_clock import CALLS_PER_PERIOD, NANOSECONDS, TurnClock
+from robots_controller.program.turn_clock import CALLS_PER_PERIOD, CALLS_PERIOD, NANOSECONDS, TurnClock
 
-PERIOD = 0.004
+PERIOD = CALLS_PERIOD
 
 
 class Turns:
@@ -21,7 +21,7 @@ class Turns:
 
     def __init__(self) -> None:
         self.stamp = 1_000_000_000
-        self.clock = TurnClock(lambda: self.stamp, PERIOD)
+        self.clock = TurnClock(lambda: self.stamp)
         self.changed = threading.Condition()
         self.log: list[tuple[str, int]] = []
 

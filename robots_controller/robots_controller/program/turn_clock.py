@@ -12,6 +12,7 @@ CALLS_PER_PERIOD: Final = 200
 INSTRUCTIONS_PER_PERIOD: Final = 50_000
 # Computing between two calls takes no time; a program that continues for longer waits in a loop for a change.
 SPELLS_WITHOUT_TIME: Final = 20
+# Passes for a program that calls functions again and again without waiting.
 CALLS_PERIOD: Final = 0.004  # s
 
 
@@ -23,16 +24,14 @@ class TurnClock:
 
     Args:
         stamp: Gives the time in ns.
-        period: Time that passes for a program that calls functions again and again without waiting, s.
     """
 
     spell: Final[float] = INSTRUCTIONS_PER_PERIOD
 
-    def __init__(self, stamp: Callable[[], int], period: float = CALLS_PERIOD) -> None:
+    def __init__(self, stamp: Callable[[], int]) -> None:
         self._stamp = stamp
         self.deadline = math.inf
         """Until when the waiting program waits, s; infinite for a change alone."""
-        self._period = period
         self._condition = threading.Condition()
         self._waits_in = self._condition
         self._program_has_turn = False
@@ -94,7 +93,7 @@ class TurnClock:
 
     def pass_period(self) -> None:
         """See `Clock`."""
-        end = self.now() + self._period
+        end = self.now() + CALLS_PERIOD
         self.busy = True
         with self._condition:
             while self.now() < end and not self._ended:

@@ -2,20 +2,16 @@
 
 from typing import Final
 
-from robots_controller.program.turn_clock import CALLS_PERIOD, NANOSECONDS, TurnClock
+from robots_controller.program.turn_clock import NANOSECONDS, TurnClock
 
 START: Final = NANOSECONDS  # ns; a stamp of zero means "none" in ROS
 
 
 class SimulatedClock(TurnClock):
-    """A clock that the cell sets.
+    """A clock that the cell sets."""
 
-    Args:
-        period: Time that passes for a program that calls functions again and again without waiting, s.
-    """
-
-    def __init__(self, period: float = CALLS_PERIOD) -> None:
-        super().__init__(lambda: self.stamp, period)
+    def __init__(self) -> None:
+        super().__init__(lambda: self.stamp)
         self.nanoseconds = 0
         """Time since the start of the simulation; the cell sets it."""
 
