@@ -29,9 +29,9 @@ def run(program: Path, drive: str, bag: Path, longest_span: int) -> SimulationRu
     options = parse_options([str(program), '--drive', drive, '--rate', RATE])
     names = [name for name in CELL_OPTIONS if name != 'drive']
     parts = cell_parts(CellSetup(program=program, **{name: getattr(options, name) for name in names}))
-    return SimulatedCell(
-        parts, drive=drive, bag=bag, longest=options.longest, longest_span=longest_span
-    ).run()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulated_cell, 'LONGEST_SPAN', longest_span)
+        return SimulatedCell(parts, drive=drive, bag=bag, longest=options.longest).run()
 
 
 def motions(run: SimulationRun) -> list[str]:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lupa import lua54
 
-from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS
+from robots_controller.interpreter.lua_sandbox import PATTERNS
 
 # Calls one function of both implementations and compares all results, or whether both fail.
 COMPARE = rb"""

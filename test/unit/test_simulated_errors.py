@@ -95,7 +95,7 @@ def test_a_program_that_computes_without_end_is_ended_at_its_line(tmp_path: Path
 def test_a_program_that_computes_while_nothing_can_change_is_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr('robots_controller.simulation.deadlock_detection.BUSY_TIME', 1.0)
+    monkeypatch.setattr('robots_controller.simulation.simulated_cell.BUSY_TIME', 1.0)
     run = run_text(tmp_path, 'local hit = false\nwhile not hit do end')
     assert str(run.error) == 'program.lua:2: it computes for ever: nothing is left that could change'
     assert run.time[-1] == pytest.approx(1.0, abs=3 * PERIOD)

@@ -10,14 +10,13 @@ from typing import Literal, Protocol
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.followed_motion import Border, FollowedMotion
 from robots_controller.control.span import Span
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.stops.faults import PERSISTENT, Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zones.shared_zone import ZoneState
-from robots_controller.control.zones.zone_border import Border
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError

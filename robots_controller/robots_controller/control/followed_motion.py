@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from dataclasses import dataclass
 
 import numpy as np
 
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
-from robots_controller.control.zones.zone_border import Border
+from robots_core.blocks.zones.zone import Zone
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -15,6 +16,21 @@ from robots_planning.trajectory import Trajectory
 # Two motions join where position, velocity and acceleration are the same, except for rounding in both
 # polynomials: rad (m), s.
 JOIN_TOLERANCE = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """A part of a motion across the border of a zone.
+
+    Attributes:
+        zone: The zone.
+        start: Path time at which the robot has to stand while the border is closed, s.
+        end: Path time from which on it is on the permitted side again, s.
+    """
+
+    zone: Zone
+    start: float
+    end: float
 
 
 class FollowedMotion:

@@ -25,11 +25,11 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from lupa import lua54
 
-from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS, PRELUDE
 from robots_controller.interpreter.syntax_remedies import with_remedy
 from robots_controller.program.program_state import ProgramStopped
 
@@ -48,6 +48,17 @@ MAX_TABLE_STEPS: Final = 1_000_000
 MAX_ARGUMENTS: Final = 100
 # Values per call from Lua: what a C function of Lua has room for without asking.
 VALUES_STEP: Final = 16
+
+
+def _chunk(name: str) -> bytes:
+    return (files('robots_controller.interpreter.lua_side') / f'{name}.lua').read_bytes()
+
+
+PARTS: Final = ('stopping', 'snapshot', 'texts', 'calls', 'own_functions', 'library', 'run')
+PRELUDE: Final = b''.join(map(_chunk, PARTS))
+"""Builds the program's globals and runs the program in them: what a part declares, those behind it use."""
+PATTERNS: Final = _chunk('patterns')
+"""Pattern matching that can be stopped anywhere."""
 
 LuaScalar = None | bool | int | float | bytes
 

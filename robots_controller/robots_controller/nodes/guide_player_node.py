@@ -6,8 +6,7 @@ from typing import Any, Final
 
 from std_msgs.msg import String
 
-from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
-from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.cell.guide_recording import GuideRecording, GuideReplay, read_guide_recording
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class

@@ -22,7 +22,7 @@ from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
-from robots_controller.simulation.simulated_contact import contact_of_cell
+from robots_controller.simulation.simulated_contact import SimulatedContact
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide, guide_of_cell
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.collision_guard import CHECK_RATE, CollisionGuard
@@ -96,7 +96,9 @@ class InProcessCell:
             simulated=True,
         )
         self.program = self._host.program
-        self.contact = contact_of_cell(parts, self.program.io, loop, self.log)
+        self.contact: SimulatedContact | None = None
+        if parts.contact is not None:
+            self.contact = SimulatedContact(parts.contact, parts.robot, self.program.io, loop, self.log)
         self.guide_player = SimulatedGuide(
             camera or self.contact or guide_of_cell(parts),
             parts.robot,

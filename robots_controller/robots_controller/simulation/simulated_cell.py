@@ -12,7 +12,6 @@ from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
-from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
@@ -28,6 +27,10 @@ from robots_core.validation import Array
 
 LONGEST_SPAN: Final = 500  # periods; bounds the memory, and the time until an interruption
 LEAST_AHEAD: Final = 2  # periods; a single one is stepped through in less time
+# A robot that stands for this long in the middle of a motion, with nothing left that could change that.
+STUCK_TIME: Final = 10.0  # s
+# A program that computes or calls so long while nothing can change: 4e8 instructions or 1.5e6 calls.
+BUSY_TIME: Final = 30.0  # s
 
 
 class SimulatedCell:
@@ -43,7 +46,6 @@ class SimulatedCell:
         longest: Longest simulated time, s.
         patience: Longest time of this machine from now on, s; checked between periods and motions.
         on_progress: Called now and then: time in s, line of the program. For a progress bar.
-        longest_span: So many periods may pass at once; 0 steps through each. The run is the same.
 
     Raises:
         RobotsError: the bag's folder exists, or an unknown level.
@@ -58,10 +60,8 @@ class SimulatedCell:
         longest: float,
         patience: float = math.inf,
         on_progress: Callable[[float, int], None] | None = None,
-        longest_span: int = LONGEST_SPAN,
     ) -> None:
         self._patience, self._begun = patience, time.monotonic()
-        self._longest_span = longest_span
         self._parts, self._drive, self._longest, self._on_progress = parts, drive, longest, on_progress
         robot, period = parts.robot, parts.period
         self._period_ns = round(period * NANOSECONDS)
@@ -158,7 +158,7 @@ class SimulatedCell:
         """Let periods pass at once in which the controller continues as before, and nothing else happens."""
         cell, drives, recording = self._cell, self._drives, self._recording
         left = int(self._longest * NANOSECONDS) // self._period_ns - 1 - cell.cycle
-        periods = min(self._longest_span, left)
+        periods = min(LONGEST_SPAN, left)
         if self._on_progress is not None:
             every = cell.control.rates.progress_every
             periods = min(periods, every - 1 - cell.cycle % every)
@@ -284,3 +284,41 @@ class SimulatedCell:
             cost=cell.cost.seconds,
             processor_time=cell.cost.processor,
         )
+
+
+class DeadlockDetection:
+    """Finds a program that will never end; looked at once in each period that is not passed over.
+
+    Args:
+        longest: Longest time of the program, s.
+        recording: Of the robot.
+    """
+
+    def __init__(self, longest: float, recording: Recording) -> None:
+        self._longest, self._recording = longest, recording
+        self._stands_since = self._rests_since = 0.0
+
+    def reason(self, now: float, *, expected: bool, at_rest: bool, waiting: bool, busy: bool) -> str:
+        """Why the program does not end, '' as long as it may.
+
+        Args:
+            now: Since its start, s.
+            expected: Something will happen by itself: a wait ends, somebody else does something.
+            at_rest: The robot stands, and no motion is under way.
+            waiting: The program waits.
+            busy: It computes or asks again and again, without waiting for anything.
+        """
+        if now >= self._longest:
+            return f'it has not ended after {self._longest:g} s'
+        if not at_rest or expected:
+            self._rests_since = now
+        elif busy:
+            forever = now - self._rests_since > BUSY_TIME
+            return 'it computes for ever: nothing is left that could change' if forever else ''
+        else:
+            return 'it waits for ever: nothing is left that could change' if waiting else ''
+        if expected or not self._recording.standing(2):
+            self._stands_since = now
+        elif now - self._stands_since > STUCK_TIME:
+            return 'the robot stands in the middle of a motion, and nothing lets it go on'
+        return ''

@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from robots_controller.cell.guide_recording import GuideRecording, GuidingMessage
-from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.cell.guide_recording import GuideRecording, GuideReplay, GuidingMessage
 from robots_controller.simulation.simulated_guide import SENSOR_PERIOD, SensorSource, missing
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide

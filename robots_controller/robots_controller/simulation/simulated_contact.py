@@ -13,7 +13,6 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import Fault
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.simulated_guide import SensorSource
 from robots_core.blocks.following.guide import Guide
@@ -82,10 +81,3 @@ class SimulatedContact(SensorSource):
         if problem:
             self._control.trip(Fault.CONTACT, problem)
         self._log.report('contact_status', Status.of_problem('contact', problem))
-
-
-def contact_of_cell(
-    parts: CellParts, io: IoImage, control: ControlLoop, log: CellLog
-) -> SimulatedContact | None:
-    """What the tool of a cell touches; None for nothing. The arguments are those of `SimulatedContact`."""
-    return None if parts.contact is None else SimulatedContact(parts.contact, parts.robot, io, control, log)

@@ -7,8 +7,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuidingMessage
-from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuideReplay, GuidingMessage
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.simulation.cell_parts import CellParts

@@ -8,10 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.followed_motion import Border, FollowedMotion
 from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.zones.shared_zone import SharedZone, ZoneState
-from robots_controller.control.zones.zone_border import Border
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.zones.zone_clearance import ZoneClearance
