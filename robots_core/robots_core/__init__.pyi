@@ -5,5 +5,5 @@ from .robot_choice import load_robot_model as load_robot_model
 from .robot_model.analytic.configuration import Configuration as Configuration
 from .robot_model.axes_data import AxesData as AxesData
 from .robot_model.base_robot_model import BaseRobotModel as BaseRobotModel
-from .robot_model.structural_data import StructuralData as StructuralData
+from .robot_model.model_parts import StructuralData as StructuralData
 from .robot_model.urdf_robot_model import UrdfRobotModel as UrdfRobotModel

@@ -7,8 +7,7 @@ from typing import Any, ClassVar, Final
 from numpy.typing import ArrayLike
 
 from robots_core import StructuralData, UrdfRobotModel
-from robots_core.robot_model.collision_model import CollisionModel
-from robots_core.robot_model.robot_visualization import RobotVisualization
+from robots_core.robot_model.model_parts import CollisionModel, RobotVisualization
 from robots_core.robot_model.urdf_robot_model import EARTH_GRAVITY
 from robots_core.validation import finite_vector
 

@@ -7,12 +7,14 @@ import numpy as np
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
-from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.drive_data import DriveData
-from robots_core.robot_model.kinematic_model import KinematicModel
-from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
-from robots_core.robot_model.robot_visualization import RobotVisualization
-from robots_core.robot_model.structural_data import StructuralData
+from robots_core.robot_model.model_parts import (
+    CollisionModel,
+    KinematicModel,
+    RigidDynamicsModel,
+    RobotVisualization,
+    StructuralData,
+)
 from robots_core.validation import Array
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pinocchio as pin
 
-from robots_core.robot_model.kinematic_model import KinematicModel
-from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
+from robots_core.robot_model.model_parts import KinematicModel, RigidDynamicsModel
 from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 

@@ -19,11 +19,9 @@ from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.collision_model import CollisionModel
+from robots_core.robot_model.model_parts import CollisionModel, RobotVisualization, StructuralData
 from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
-from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
-from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
 from robots_core.robot_model.urdf.kept_shapes import kept_shapes
 from robots_core.robot_model.urdf.named_base import note_other_base

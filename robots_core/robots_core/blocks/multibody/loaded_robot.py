@@ -6,8 +6,8 @@ from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.blocks.multibody.payload import Payload, payload_of
 from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.model_parts import RigidDynamicsModel
 from robots_core.robot_model.pinocchio_models import PinocchioRigidDynamicsModel
-from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_core.validation import Array, finite_motion
 
