@@ -1,21 +1,18 @@
 """PackagedRobot: a robot whose folder holds `robot.urdf`, `joint_limits.yaml` and `meshes/`."""
 
-from functools import cached_property
 from importlib.resources import as_file, files
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal
 
 from numpy.typing import ArrayLike
 
 from robots_core import StructuralData, UrdfRobotModel
-from robots_core.robot_model.model_parts import CollisionModel, RobotVisualization
+from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.urdf_robot_model import EARTH_GRAVITY
 from robots_core.validation import finite_vector
 
-_Key = tuple[type, str]  # and URDF
 # Nothing of it changes, and programs that load a robot several times need its files and meshes once.
 _READ: Final[dict[tuple[type, str, tuple[float, ...]], dict[str, Any]]] = {}  # and limits file, and gravity
-_VISUALIZATIONS: Final[dict[_Key, RobotVisualization]] = {}
-_COLLISION_MODELS: Final[dict[_Key, CollisionModel]] = {}
+_SHAPES: Final[dict[tuple[str, str], tuple[Shape, ...]]] = {}  # by URDF and kind
 
 
 class PackagedRobot(UrdfRobotModel):
@@ -61,20 +58,9 @@ class PackagedRobot(UrdfRobotModel):
             )
         _READ[key] = dict(self.__dict__)
 
-    @cached_property
-    def visualization(self) -> RobotVisualization:
-        """See `UrdfRobotModel.visualization`; read once for all robots of one description."""
-        key = type(self), self.description
-        found = _VISUALIZATIONS.get(key)
-        if found is None:
-            found = _VISUALIZATIONS[key] = super().visualization
-        return found
-
-    @cached_property
-    def collision_model(self) -> CollisionModel:
-        """See `UrdfRobotModel.collision_model`; read once for all robots of one description."""
-        key = type(self), self.description
-        found = _COLLISION_MODELS.get(key)
-        if found is None:
-            found = _COLLISION_MODELS[key] = super().collision_model
-        return found
+    def _shapes(self, kind: Literal['visual', 'collision'], *, hulls: bool = False) -> tuple[Shape, ...]:
+        """Read once for all robots of one description."""
+        key = self.description, kind
+        if key not in _SHAPES:
+            _SHAPES[key] = super()._shapes(kind, hulls=hulls)
+        return _SHAPES[key]

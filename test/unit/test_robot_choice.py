@@ -139,5 +139,5 @@ def test_unknown_name_is_refused_with_the_known_ones(name: str):
 @pytest.mark.parametrize('shapes', ['visualization', 'collision_model'])
 def test_the_meshes_of_a_robot_are_read_once(shapes: str):
     earth, space = load_robot_model('ur5e'), load_robot_model('ur5e?gravity=0,0,0')
-    assert getattr(space, shapes) is getattr(earth, shapes)
-    assert getattr(load_robot_model('ur10e'), shapes) is not getattr(earth, shapes)
+    assert getattr(space, shapes).shapes is getattr(earth, shapes).shapes
+    assert getattr(load_robot_model('ur10e'), shapes).shapes is not getattr(earth, shapes).shapes
