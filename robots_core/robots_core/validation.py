@@ -70,18 +70,11 @@ def bounded_vector(values: ArrayLike, size: int, name: str, bound: float, unit: 
 
 
 def finite_state(q: ArrayLike, q_dot: ArrayLike, size: int) -> tuple[Array, Array]:
-    """`q` and `q_dot` as float64 arrays of shape (size,), checked in one go.
+    """`q` and `q_dot` as float64 arrays of shape (size,).
 
     Raises:
         InvalidInputError: one of them has another shape, or NaN or infinity in it.
     """
-    if (
-        type(q) is type(q_dot) is np.ndarray
-        and q.shape == q_dot.shape == (size,)
-        and q.dtype is q_dot.dtype is FLOAT64
-        and isfinite(sum(q.tolist() + q_dot.tolist()))
-    ):
-        return q, q_dot
     return finite_vector(q, size, 'q'), finite_vector(q_dot, size, 'q_dot')
 
 
@@ -98,11 +91,7 @@ def finite_motion(q: ArrayLike, q_dot: ArrayLike, q_ddot: ArrayLike, size: int) 
         and isfinite(sum(q.tolist() + q_dot.tolist() + q_ddot.tolist()))
     ):
         return q, q_dot, q_ddot
-    return (
-        finite_vector(q, size, 'q'),
-        finite_vector(q_dot, size, 'q_dot'),
-        finite_vector(q_ddot, size, 'q_ddot'),
-    )
+    return *finite_state(q, q_dot, size), finite_vector(q_ddot, size, 'q_ddot')
 
 
 def rotation_matrix(T: ArrayLike) -> Array:

@@ -268,19 +268,9 @@ class UrdfRobotModel(BaseRobotModel):
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
         model, data = self._model, self._data
-        try:  # as above; the torques without acceleration are finite only if q and q_dot are
-            M: Array = pin.crba(model, data, q)
-            tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
-            finite = (
-                q.shape == q_dot.shape == q_ddot.shape == tau_aux.shape
-                and q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
-                and isfinite(sum(q_ddot.tolist(), sum(tau_aux.tolist())))
-            )
-        except (AttributeError, TypeError, ValueError):
-            finite = False
-        if not finite:
-            q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-            M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
+        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
+        M: Array = pin.crba(model, data, q)
+        tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
         return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
 
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
