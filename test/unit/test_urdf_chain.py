@@ -36,7 +36,7 @@ def limits_file(folder: Path, text: str) -> Path:
 
 def test_chain_goes_from_the_root_to_the_end():
     chain = read_urdf_chain(CHAIN)
-    assert (chain.base, chain.tip, chain.joints) == ('base', 'c', ('one', 'two'))
+    assert (chain.base, chain.tip, chain.axes_data.names) == ('base', 'c', ('one', 'two'))
     axes = chain.axes_data
     np.testing.assert_array_equal(
         [axes.lower, axes.upper, axes.velocity, axes.effort], [[-1] * 2, [2] * 2, [3] * 2, [4] * 2]
@@ -51,12 +51,12 @@ def test_tool0_is_the_tip_even_if_another_branch_is_longer():
         links='base a b tool0',
     )
     chain = read_urdf_chain(xml)
-    assert (chain.tip, chain.joints) == ('tool0', ('one',))
+    assert (chain.tip, chain.axes_data.names) == ('tool0', ('one',))
 
 
 def test_base_and_tip_can_be_chosen():
     chain = read_urdf_chain(CHAIN, base='a', tip='b')
-    assert (chain.base, chain.tip, chain.joints) == ('a', 'b', ('two',))
+    assert (chain.base, chain.tip, chain.axes_data.names) == ('a', 'b', ('two',))
     assert '"base"' not in chain.xml
 
 
@@ -64,7 +64,7 @@ def test_moving_joints_beside_the_chain_are_held_fixed():
     finger = joint('finger', 'b', 'f', 'prismatic', LIMIT + '<mimic joint="two"/>')
     xml = robot(joint('one', 'base', 'a'), joint('two', 'a', 'b'), finger, links='base a b f')
     chain = read_urdf_chain(xml, tip='b')
-    assert chain.joints == ('one', 'two')
+    assert chain.axes_data.names == ('one', 'two')
     held = chain.xml.partition('name="finger"')[2]
     assert held.startswith(' type="fixed"')
     assert '<mimic' not in held

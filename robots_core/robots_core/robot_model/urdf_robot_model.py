@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.files.user_file import read_text
-from robots_core.files.yaml_section import read_yaml_data
 from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
@@ -24,8 +23,7 @@ from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, Pi
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
 from robots_core.robot_model.urdf.kept_shapes import kept_shapes
-from robots_core.robot_model.urdf.named_base import note_other_base
-from robots_core.robot_model.urdf.substitutions import Substitutions
+from robots_core.robot_model.urdf.substitutions import Substitutions, note_other_base
 from robots_core.robot_model.urdf.urdf_chain import UrdfChain, pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.robot_model.urdf.urdf_place import placed_in
@@ -96,7 +94,8 @@ class UrdfRobotModel(BaseRobotModel):
                 xml,
                 base=base,
                 tip=tip,
-                joint_limits=limits if joint_limits or _has_limits(limits, substitutions) else None,
+                joint_limits=limits if joint_limits or limits.is_file() else None,
+                beside=not joint_limits,
                 substitutions=substitutions,
             )
             model = _pinocchio_model(chain)
@@ -296,8 +295,9 @@ def _pinocchio_model(chain: UrdfChain) -> pin.Model:
         model = pin.buildModelFromXML(pinocchio_xml(chain))
     except (ValueError, RuntimeError) as error:
         raise UnknownRobotError(f'not a URDF that Pinocchio reads: {error}') from error
-    if tuple(model.names)[1:] != chain.joints:
-        raise UnknownRobotError(f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}')
+    names = chain.axes_data.names
+    if tuple(model.names)[1:] != names:
+        raise UnknownRobotError(f'joints {list(model.names)[1:]} do not form one chain {list(names)}')
     return model
 
 
@@ -306,19 +306,3 @@ def _urdf_text(path: Path) -> str:
         return read_text(path, 'URDF file')
     except InvalidInputError as error:
         raise UnknownRobotError(error.message, **error.details) from None
-
-
-def _has_limits(beside: Path, substitutions: Substitutions) -> bool:
-    """Whether the limits file beside a URDF is one; makers have files of this name with other contents."""
-    if not beside.is_file():
-        return False
-    try:
-        content = read_yaml_data(beside, 'limits file')
-    except InvalidInputError:
-        return True  # and the reader of the limits says what is wrong with it
-    foreign = isinstance(content, dict) and 'joint_limits' not in content
-    if foreign:
-        substitutions.add(
-            f'{beside.name} beside the URDF has no mapping joint_limits:', 'the limits of the URDF'
-        )
-    return not foreign

@@ -1,5 +1,6 @@
 """Effort limits of a robot whose maker published none, or none that carries it, from its masses."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -7,7 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robots_core.robot_model.urdf.substitutions import Substitutions
-from robots_core.robot_model.urdf.urdf_chain import SUBSTITUTE_EFFORT, UrdfChain, with_efforts
+from robots_core.robot_model.urdf.urdf_chain import SUBSTITUTE_EFFORT, UrdfChain
 from robots_core.validation import Array
 
 SAMPLES: Final = 200
@@ -50,11 +51,11 @@ def with_known_efforts(chain: UrdfChain, model: pin.Model, substitutions: Substi
                 f'{_figures(effort[which])} N m (N of axes that slide), {RESERVE:g} times what the robot '
                 'itself needs',
             )
-    return with_efforts(chain, effort)
+    return replace(chain, axes_data=replace(chain.axes_data, effort=effort))
 
 
 def _names(chain: UrdfChain, which: NDArray[np.bool_]) -> str:
-    return ', '.join(np.array(chain.joints)[which])
+    return ', '.join(np.array(chain.axes_data.names)[which])
 
 
 def _figures(values: Array) -> str:

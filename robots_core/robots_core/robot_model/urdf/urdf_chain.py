@@ -1,8 +1,7 @@
 """The serial chain inside a URDF, cut out and checked."""
 
-import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -13,7 +12,6 @@ from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.files.yaml_section import read_yaml_data
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.substitutions import Substitutions
-from robots_core.robot_model.urdf.urdf_inertia import check_inertia
 from robots_core.robot_model.urdf.urdf_place import line_of
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
 from robots_core.validation import Array
@@ -24,6 +22,10 @@ DEFAULT_JERK_TIME = 0.1  # s
 # In place of limits of 0, which URDFs have where their makers published none.
 SUBSTITUTE_SPEEDS: Final = {False: np.pi / 2, True: 0.5}  # rad/s, and m/s of axes that slide
 SUBSTITUTE_EFFORT: Final = 1000.0  # N m (N), of a robot without masses
+
+# Of moments of inertia: figures have six digits or more, and sums of them the rounding of doubles.
+RELATIVE_ROUNDING: Final = 1e-6  # of the largest principal moment
+ROUNDING: Final = 1e-12  # kg m^2
 
 XACRO: Final = 'http://www.ros.org/wiki/xacro'
 
@@ -46,21 +48,25 @@ class UrdfChain:
     """A URDF reduced to one serial chain.
 
     Attributes:
-        xml: URDF text: root is `base`, the chain's joints are the only moving ones, their limits are those
-            of `axes_data`, and a link `tool0` marks the tip unless the URDF has one elsewhere.
+        root: Its element: `base` is the root, the chain's joints are the only moving ones, and a link `tool0`
+            marks the tip unless the URDF has one elsewhere.
         base: Name of the base link.
         tip: Name of the tool link.
-        joints: Names of the moving joints, base to tip.
-        axes_data: Their limits.
+        axes_data: Names and limits of the moving joints, base to tip.
         unknown_effort: Which of them have `SUBSTITUTE_EFFORT`, as the files state none.
     """
 
-    xml: str
+    root: etree._Element
     base: str
     tip: str
-    joints: tuple[str, ...]
     axes_data: AxesData
-    unknown_effort: tuple[bool, ...] = ()
+    unknown_effort: tuple[bool, ...]
+
+    @property
+    def xml(self) -> str:
+        """URDF text, with the limits of `axes_data`."""
+        _write_limits(self.root, self.axes_data)
+        return str(etree.tostring(self.root, encoding='unicode'))
 
 
 def read_urdf_chain(
@@ -69,6 +75,7 @@ def read_urdf_chain(
     base: str | None = None,
     tip: str | None = None,
     joint_limits: Path | None = None,
+    beside: bool = False,
     substitutions: Substitutions | None = None,
 ) -> UrdfChain:
     """Cut the chain from `base` to `tip` out of a URDF.
@@ -76,8 +83,7 @@ def read_urdf_chain(
     The default base is the URDF's root. The default tip is `tool0` if there is one; else the chain follows at
     every branch the link with the most axes. It ends before branches that are shorter than the chain so
     far: the fingers of a hand. After the last axis, the fixed links are followed to the end. Branches of
-        equal length (two
-    arms, four legs) are refused: choose a tip.
+    equal length (two arms, four legs) are refused: choose a tip.
 
     Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
     Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which
@@ -90,6 +96,8 @@ def read_urdf_chain(
         base: Base link.
         tip: Tool link.
         joint_limits: A YAML file with further limits.
+        beside: It lies beside the URDF: makers have files of this name with other contents, which are
+            passed over.
         substitutions: Receives what is substituted; without it, unknown limits are refused.
 
     Raises:
@@ -106,34 +114,20 @@ def read_urdf_chain(
     if not moving:
         raise UnknownRobotError(f'the URDF has no moving joint from {base!r} to {tip!r}')
     substitutions = Substitutions(strict=True) if substitutions is None else substitutions
-    axes_data, unknown_effort = _axes_data(root, moving, _extra_limits(joint_limits), substitutions)
+    axes_data, unknown_effort = _axes_data(
+        root, moving, _extra_limits(joint_limits, substitutions if beside else None), substitutions
+    )
     _reduce(root, tree.below(base), {str(joint.get('name')) for joint in moving})
     for link in root.findall('link'):
-        check_inertia(link)
-    _write_limits(moving, axes_data)
+        _check_inertia(link)
     if TOOL not in tree.links:
         _add_tool(root, tip)
-    return UrdfChain(
-        xml=etree.tostring(root, encoding='unicode'),
-        base=base,
-        tip=tip,
-        joints=axes_data.names,
-        axes_data=axes_data,
-        unknown_effort=unknown_effort,
-    )
-
-
-def with_efforts(chain: UrdfChain, effort: Array) -> UrdfChain:
-    """The chain with other effort limits, (n,) N m (N), in its URDF too."""
-    root, axes_data = _parse(chain.xml), replace(chain.axes_data, effort=effort)
-    moving = {str(joint.get('name')): joint for joint in root.findall('joint')}
-    _write_limits([moving[name] for name in chain.joints], axes_data)
-    return replace(chain, xml=str(etree.tostring(root, encoding='unicode')), axes_data=axes_data)
+    return UrdfChain(root, base, tip, axes_data, unknown_effort)
 
 
 def pinocchio_xml(chain: UrdfChain) -> str:
     """The chain's URDF with continuous joints as revolute ones, so that q has one number per axis."""
-    root = copy.deepcopy(_parse(chain.xml))
+    root = etree.fromstring(chain.xml.encode())
     for joint in root.findall('joint'):
         if joint.get('type') == 'continuous':
             joint.set('type', 'revolute')
@@ -171,13 +165,17 @@ def _drop_unused_properties(root: etree._Element, xml: str) -> None:
             unused.getparent().remove(unused)
 
 
-def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
+def _extra_limits(path: Path | None, foreign: Substitutions | None) -> dict[str, dict[str, float]]:
+    """The numbers of a limits file; none of one with other contents, which `foreign` receives."""
     if path is None:
         return {}
     try:
         content = read_yaml_data(path, 'limits file')
     except InvalidInputError as error:
         raise UnknownRobotError(error.message, **{'file': path.name, **error.details}) from None
+    if foreign is not None and isinstance(content, dict) and 'joint_limits' not in content:
+        foreign.add(f'{path.name} beside the URDF has no mapping joint_limits:', 'the limits of the URDF')
+        return {}
     joints = content.get('joint_limits') if isinstance(content, dict) else None
     if not isinstance(joints, dict) or not all(isinstance(joint, dict) for joint in joints.values()):
         raise UnknownRobotError(
@@ -307,9 +305,11 @@ def _reduce(root: etree._Element, kept: tuple[set[str], set[str]], moving: set[s
                     element.remove(part)
 
 
-def _write_limits(moving: list[etree._Element], axes: AxesData) -> None:
+def _write_limits(root: etree._Element, axes: AxesData) -> None:
     """Write the limits into the URDF, so that it agrees with the axes' data."""
-    for index, joint in enumerate(moving):
+    joints = {joint.get('name'): joint for joint in root.findall('joint')}
+    for index, name in enumerate(axes.names):
+        joint = joints[name]
         limit = joint.find('limit')
         limit = etree.SubElement(joint, 'limit') if limit is None else limit
         if axes.continuous[index]:
@@ -330,3 +330,47 @@ def _add_tool(root: etree._Element, tip: str) -> None:
     joint = etree.SubElement(root, 'joint', name=f'{TOOL}_joint', type='fixed')
     etree.SubElement(joint, 'parent', link=tip)
     etree.SubElement(joint, 'child', link=TOOL)
+
+
+def _check_inertia(link: etree._Element) -> None:
+    """Refuse a link with the mass or inertia of no body; one with neither is a frame.
+
+    Moments that break the triangle inequality are taken: some makers publish those alone that count in
+    their robot.
+    """
+    inertial = link.find('inertial')
+    if inertial is None:
+        return
+    what = f'link {str(link.get("name"))!r}'
+    mass = _finite_number(inertial, what, 'mass', 'value')
+    xx, yy, zz, xy, xz, yz = (
+        _finite_number(inertial, what, 'inertia', key) for key in ('ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz')
+    )
+    inertia: Array = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    small, middle, large = np.linalg.eigvalsh(inertia)
+    if mass < 0.0 or (mass == 0.0 and inertia.any()):
+        raise UnknownRobotError(
+            f'{what} has a mass of {mass:g} kg; a body has more than 0 kg', **line_of(inertial)
+        )
+    if small < -(RELATIVE_ROUNDING * large + ROUNDING):
+        raise UnknownRobotError(
+            f'{what} has principal moments of inertia of {small:g}, {middle:g} and {large:g} kg m^2; a body '
+            'has no negative ones',
+            **line_of(inertial),
+        )
+
+
+def _finite_number(inertial: etree._Element, what: str, tag: str, key: str) -> float:
+    element = inertial.find(tag)
+    if element is None:
+        raise UnknownRobotError(f'{what} has an <inertial> without <{tag}>', **line_of(inertial))
+    text = element.get(key)
+    try:
+        number = float(str(text))
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise UnknownRobotError(
+            f'{what}: {key} = {text!r} of <{tag}> must be a finite number', **line_of(element)
+        )
+    return number

@@ -1,15 +1,23 @@
-"""The mesh files of a URDF."""
+"""The mesh files of a URDF, and simple bodies in the place of those that are missing."""
 
+import copy
 from collections.abc import Mapping
+from math import acos, atan2
 from pathlib import Path
+from typing import Final
 from urllib.parse import unquote, urlparse
 
+import numpy as np
 from lxml import etree
 
 from robots_core.errors import UnknownRobotError
 from robots_core.robot_model.urdf.package_places import package_places
-from robots_core.robot_model.urdf.simple_bodies import replace_shape, simple_body
 from robots_core.robot_model.urdf.substitutions import Substitutions
+from robots_core.robot_model.urdf.urdf_tree import link_of
+from robots_core.validation import Array
+
+SLENDERNESS: Final = 0.05  # radius of the bodies for missing meshes, of the length of all links together
+SMALLEST_RADIUS: Final = 0.005  # m
 
 
 def mesh_path(filename: str, folder: Path) -> Path:
@@ -70,8 +78,8 @@ def with_absolute_meshes(
     """The URDF text with every mesh named by an absolute `file://` address, which loads from any folder.
 
     A mesh that is missing is replaced by the other mesh of its link, that for display by that for collision
-    checks and the other way round; where both are missing, by a simple body (see `simple_body`). Where no
-    link has a shape for collision checks, those for display are taken.
+    checks and the other way round; where both are missing, by a cylinder or sphere between its joints. Where
+    no link has a shape for collision checks, those for display are taken.
 
     Args:
         xml: The URDF.
@@ -101,7 +109,7 @@ def _collide_with_what_is_shown(root: etree._Element, substitutions: Substitutio
     if not shown or next(root.iter('collision'), None) is not None:
         return
     for link, visual in shown:
-        replace_shape(etree.SubElement(link, 'collision'), visual)
+        _replace_shape(etree.SubElement(link, 'collision'), visual)
     substitutions.add('no link has a <collision>', 'what is shown by <visual>')
 
 
@@ -134,9 +142,9 @@ def _substitute(
             element = next(one for one in link if mesh in list(one.iter('mesh')))
             others = [one for one in kept if one.tag != element.tag]
             if others:
-                replace_shape(element, others[0])
+                _replace_shape(element, others[0])
             else:
-                replace_shape(element, simple_body(root, name))
+                _replace_shape(element, _simple_body(root, name))
         (swapped if kept else bodies).append(name)
     example = _name(next(iter(missing.values()))[0])
     lacking = f'there is no mesh file {example!r} {_searched(example, folder)}'
@@ -151,3 +159,51 @@ def _substitute(
     if bodies:
         taken.append(f'cylinders and spheres between the joints of {", ".join(bodies)}')
     substitutions.add(lacking, ', and '.join(taken))
+
+
+def _simple_body(root: etree._Element, link: str) -> etree._Element:
+    """A body for a link, as a `<collision>`: a cylinder from its own joint to the farthest that it carries.
+
+    It is a sphere at its own joint where there is no other, or where that is closer than the radius.
+    """
+    carried = [_offset(joint) for joint in root.findall('joint') if link_of(joint, 'parent') == link]
+    end = max(carried, key=_length, default=np.zeros(3))
+    radius = max(
+        SLENDERNESS * sum(_length(_offset(joint)) for joint in root.findall('joint')), SMALLEST_RADIUS
+    )
+    element = etree.Element('collision')
+    length = _length(end)
+    if length <= radius:
+        etree.SubElement(etree.SubElement(element, 'geometry'), 'sphere', radius=repr(radius))
+        return element
+    x, y, z = end
+    turn = f'0 {acos(z / length)!r} {atan2(y, x)!r}'  # of z towards the other joint
+    etree.SubElement(element, 'origin', xyz=' '.join(repr(float(half)) for half in 0.5 * end), rpy=turn)
+    shape = etree.SubElement(element, 'geometry')
+    etree.SubElement(shape, 'cylinder', radius=repr(radius), length=repr(length))
+    return element
+
+
+def _replace_shape(element: etree._Element, other: etree._Element) -> None:
+    """Replace the place and the geometry of a `<visual>` or `<collision>` by those of another one."""
+    for tag in ('origin', 'geometry'):
+        for part in element.findall(tag):
+            element.remove(part)
+        for part in other.findall(tag):
+            element.append(copy.deepcopy(part))
+
+
+def _offset(joint: etree._Element) -> Array:
+    origin = joint.find('origin')
+    text = '0 0 0' if origin is None else str(origin.get('xyz', '0 0 0'))
+    try:
+        offset = np.array([float(part) for part in text.split()])
+    except ValueError:
+        offset = np.empty(0)
+    if offset.shape != (3,) or not np.isfinite(offset).all():
+        raise UnknownRobotError(f'joint {joint.get("name")!r}: xyz = {text!r} must be three numbers')
+    return offset
+
+
+def _length(vector: Array) -> float:
+    return float(np.linalg.norm(vector))
