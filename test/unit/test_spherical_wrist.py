@@ -11,7 +11,7 @@ import pytest
 
 from robots_core import UrdfRobotModel, load_robot_model
 from robots_core.errors import NoAnalyticInverseKinematicsError
-from robots_core.robot_model.analytic.arm_families import spherical_wrist
+from robots_core.robot_model.analytic.arm_record import spherical_wrist
 from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines
 
 X, Y, Z = np.eye(3)

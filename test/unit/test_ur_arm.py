@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
-from robots_core.robot_model.analytic.arm_families import ur_arm
+from robots_core.robot_model.analytic.arm_record import ur_arm
 from robots_core.robot_model.analytic.axis_lines import AxisLines
 
 X, Y, Z = np.eye(3)

@@ -8,7 +8,7 @@ import numpy as np
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.pose import Pose
-from robots_core.robot_model.analytic.arm_families import spherical_wrist, ur_arm
+from robots_core.robot_model.analytic.arm_record import spherical_wrist, ur_arm
 from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines, no_closed_form
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.robot_model.base_robot_model import BaseRobotModel

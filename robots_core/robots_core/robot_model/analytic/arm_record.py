@@ -1,4 +1,4 @@
-"""The parameters of one arm as a record for compiled code."""
+"""The parameters of one arm as a record for compiled code, by the family of arms that has a closed form."""
 
 from typing import Any
 
@@ -47,7 +47,63 @@ ARM = np.dtype(
 )
 
 
-def arm_record(
+def spherical_wrist(lines: AxisLines) -> tuple[Any, float]:
+    """The parameters of an arm whose axes 2 and 3 are parallel and whose axes 4, 5 and 6 meet in one point.
+
+    KUKA, Staubli, Mitsubishi, Manutec and most others with six axes. Axis 1 may pass axis 2 at any distance
+    and the forearm may be offset to any side; the angles between axes 1 and 2, 3 and 4, 4 and 5, 5 and 6 may
+    be other than right; signs and zero positions are free.
+
+    Returns:
+        A record array (1,) of `ARM` without limits; how far the axes are off this structure, rad or m.
+
+    Raises:
+        NoAnalyticInverseKinematicsError: the robot is none of these; says why.
+    """
+    centre, off_point = lines.common_point(4, 5, 6)
+    parallel, signs, off_parallel = lines.common_direction(2, 3)
+    deviation = max(off_point, off_parallel)
+    record, body, forearm = _arm_record(
+        lines, parallel, centre, signs, deviation, swung=centre, reason='the wrist centre lies on axis 3'
+    )
+    # The wrist is seen from the forearm, whose X axis points from axis 3 across to the wrist centre.
+    cosine, sine = forearm / np.hypot(*forearm)
+    turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    _set_wrist(record, lines, lines.directions[3], turn @ body)
+    return record, deviation
+
+
+def ur_arm(lines: AxisLines) -> tuple[Any, float]:
+    """The parameters of an arm whose axes 2, 3 and 4 are parallel and whose axes 5 and 6 meet in one point.
+
+    Arms of the Universal Robots kind. Lengths, offsets, signs and zero positions are free, and the angles
+    between axes 1 and 2, 4 and 5, 5 and 6 may be other than right.
+
+    Returns:
+        A record array (1,) of `ARM` without limits; how far the axes are off this structure, rad or m.
+
+    Raises:
+        NoAnalyticInverseKinematicsError: the robot is none of these; says why.
+    """
+    parallel, signs, off_parallel = lines.common_direction(2, 3, 4)
+    centre, off_point = lines.common_point(5, 6)
+    deviation = max(off_point, off_parallel)
+    record, body, _ = _arm_record(
+        lines,
+        parallel,
+        centre,
+        signs,
+        deviation,
+        swung=lines.points[3],
+        reason='axes 3 and 4 are the same line',
+    )
+    record[0]['parallel'] = True
+    record[0]['hand'] = (body @ (centre - lines.points[3]))[:2]
+    _set_wrist(record, lines, parallel, body)
+    return record, deviation
+
+
+def _arm_record(
     lines: AxisLines,
     parallel: Array,
     wrist_point: Array,
@@ -59,21 +115,12 @@ def arm_record(
 ) -> tuple[Any, Array, Array]:
     """The parameters common to both families of arms: axis 1, parallel axes 2 and 3, wrist point, tool.
 
-    Args:
-        lines: The axes.
-        parallel: Direction of axis 2, unit, (3,).
-        wrist_point: The point that axis 6 (and 5) carries, (3,) m.
-        signs: Of axes 2, 3 (and 4) along `parallel`.
-        deviation: Largest deviation of the axes from the ideal structure, rad or m.
-        swung: The point or axis that axis 3 swings by the forearm, (3,) m.
-        reason: Why there is no closed form if that lies on axis 3.
+    `parallel` is the direction of axis 2, `signs` are those of axes 2, 3 (and 4) along it. The forearm leads
+    from axis 3 to the point `swung`; without a length of it there is no closed form, for a `reason`.
 
     Returns:
         A record array (1,) of `ARM` without wrist and limits; the rows X, Y, Z of body 1, (3, 3); the
         forearm, (2,) m in [X Y].
-
-    Raises:
-        NoAnalyticInverseKinematicsError: axes 1 and 2 are parallel, or there is no upper arm or forearm.
     """
     record = np.zeros(1, dtype=ARM)
     arm: Any = record[0]
@@ -100,18 +147,8 @@ def arm_record(
     return record, body, forearm
 
 
-def set_wrist(record: Any, lines: AxisLines, first: Array, frame: Array) -> None:
-    """Enter the wrist: three axes, of which the first is `first`, then 5 and 6.
-
-    Args:
-        record: Changed.
-        lines: The axes.
-        first: Direction of the wrist's first axis at q = 0, (3,).
-        frame: Rows of the frame in which the wrist's axes are expressed, (3, 3).
-
-    Raises:
-        NoAnalyticInverseKinematicsError: two of them are parallel.
-    """
+def _set_wrist(record: Any, lines: AxisLines, first: Array, frame: Array) -> None:
+    """Enter the wrist, whose axes are `first`, (3,), 5 and 6, seen from a frame with rows `frame`, (3, 3)."""
     arm = record[0]
     fifth, sixth = lines.directions[4], lines.directions[5]
     lines.sine_between(4, 5)
