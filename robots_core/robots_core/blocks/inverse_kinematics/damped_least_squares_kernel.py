@@ -1,6 +1,8 @@
 # ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """The search of the damped least squares, compiled."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,79 +36,77 @@ CORRECTION_STEPS = 6
 SELF_MOTION_END = 1e-5
 NULL_SPACE_DAMPING = 1e-6
 
-Options = tuple[float, float, int, int]
-"""Position tolerance (m), orientation tolerance (rad), steps per start, and steps after which a start without
-progress is abandoned (PATIENT: never)."""
-
+Effort = tuple[int, int]
+"""Steps per start, and steps after which a start without progress is abandoned (PATIENT: never)."""
+Target = tuple[Array, Array]
+"""r (3,) and T (3, 3)."""
 Memory = tuple[Array, Array, Array, Array, NDArray[np.bool_]]
 """For a step: two matrices (n, n), two vectors (n,), and which axes stand, (n,)."""
 
 
+class Arm(NamedTuple):
+    """An arm, and what is near enough to a pose.
+
+    Attributes:
+        chain: Arrays of a `SerialChain`.
+        limits: (2, n): lower, upper.
+        tolerances: Of position (m) and orientation (rad).
+    """
+
+    chain: ChainArrays
+    limits: Array
+    tolerances: tuple[float, float]
+
+
 @compiled()
 def solve_pose(
-    chain: ChainArrays,
-    limits: Array,
+    arm: Arm,
     starts: Array,
     redundancy: RedundancyArrays,
-    options: Options,
-    target: tuple[Array, Array],
+    effort: Effort,
+    target: Target,
     q: Array,
     error: Array,
 ) -> int:
-    """Search joint positions for a pose from `q`, then from each of `starts` until one converges.
+    """Search joint positions for a pose from `q`, (n,), then from each of `starts`, (k, n).
 
-    Args:
-        chain: Arrays of a `SerialChain`.
-        limits: (2, n): lower, upper.
-        starts: (k, n), inside the limits.
-        redundancy: Arrays of a `Redundancy`.
-        options: See `Options`.
-        target: r (3,) and T (3, 3).
-        q: Start, (n,); replaced by the solution, or the closest joint positions found.
-        error: Filled: pose error at `q`, (6,).
+    Ends with the first solution. Replaces q by it, or by the closest joint positions found, and fills their
+    pose error, (6,).
 
     Returns:
         Steps taken, over all starts.
     """
     n = q.size
     first = q.copy()
-    steps = search(chain, limits, options, target, q, error)
-    if not reached(error, options) and starts.shape[0] > 0:
+    steps = search(arm, effort, target, q, error)
+    if not reached(arm, error) and starts.shape[0] > 0:
         other, other_error = np.empty(n), np.empty(6)
         for start in range(starts.shape[0]):
             copy_into(other, starts[start])
-            steps += search(chain, limits, options, target, other, other_error)
+            steps += search(arm, effort, target, other, other_error)
             if _square(other_error) < _square(error):
                 copy_into(q, other)
                 copy_into(error, other_error)
-            if reached(error, options):
+            if reached(arm, error):
                 break
-    if not reached(error, options):  # all steps for the closest point
-        patient = (options[0], options[1], options[2], PATIENT)
-        steps += search(chain, limits, patient, target, q, error)
-    if redundancy[0] != NO_CRITERION and reached(error, options):
-        steps += _self_motion(chain, limits, redundancy, options, target, q, error)
-    _turn_near(first, chain, limits, q)
+    if not reached(arm, error):  # all steps for the closest point
+        steps += search(arm, (effort[0], PATIENT), target, q, error)
+    if redundancy[0] != NO_CRITERION and reached(arm, error):
+        steps += _self_motion(arm, redundancy, target, q, error)
+    _turn_near(first, arm, q)
     return steps
 
 
 @compiled()
-def search(
-    chain: ChainArrays,
-    limits: Array,
-    options: Options,
-    target: tuple[Array, Array],
-    q: Array,
-    error: Array,
-) -> int:
+def search(arm: Arm, effort: Effort, target: Target, q: Array, error: Array) -> int:
     """Levenberg-Marquardt from `q` inside the limits; fills q and error, returns the steps taken."""
-    n = q.size
+    n, chain, limits = q.size, arm.chain, arm.limits
     r, T = np.empty(3), np.empty((3, 3))
     J, next_J = np.empty((6, n)), np.empty((6, n))
     next_q, next_error = np.empty(n), np.empty(6)
     memory = (np.empty((n, n)), np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n, np.bool_))
     step = np.empty(n)
-    window = options[3]
+    most, window = effort
     past = np.empty(max(window, 1))
     for i in range(n):
         q[i] = min(max(q[i], limits[0, i]), limits[1, i])
@@ -114,8 +114,8 @@ def search(
     error_between(r, T, target[0], target[1], error)
     cost = _square(error)
     damping, growth = DAMPING_START, DAMPING_GROWTH
-    for iteration in range(options[2]):
-        if reached(error, options):
+    for iteration in range(most):
+        if reached(arm, error):
             return iteration
         if window != PATIENT:
             slot = iteration % window
@@ -141,7 +141,7 @@ def search(
         copy_into(q, next_q)
         copy_into(error, next_error)
         J, next_J = next_J, J
-    return options[2]
+    return most
 
 
 @compiled()
@@ -186,24 +186,15 @@ def _damped_step(
 
 
 @compiled()
-def _self_motion(
-    chain: ChainArrays,
-    limits: Array,
-    redundancy: RedundancyArrays,
-    options: Options,
-    target: tuple[Array, Array],
-    q: Array,
-    error: Array,
-) -> int:
+def _self_motion(arm: Arm, redundancy: RedundancyArrays, target: Target, q: Array, error: Array) -> int:
     """Move towards the redundancy criterion by self-motion, which keeps the pose; return the steps taken."""
-    n = q.size
+    n, limits = q.size, arm.limits
     r, T, J, desired = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
     candidate, candidate_error = np.empty(n), np.empty(6)
     L, task = np.empty((6, 6)), np.empty(6)
-    correction = (options[0], options[1], CORRECTION_STEPS, PATIENT)
     steps, part = 0, SELF_MOTION_PART
     for _ in range(SELF_MOTION_STEPS):
-        pose_and_jacobian(chain, q, r, T, J)
+        pose_and_jacobian(arm.chain, q, r, T, J)
         desired_displacement(redundancy, q, J, desired)
         for i in range(n):  # directions that the limits exclude
             if (q[i] <= limits[0, i] and desired[i] < 0.0) or (q[i] >= limits[1, i] and desired[i] > 0.0):
@@ -226,8 +217,8 @@ def _self_motion(
         factor = min(part, LARGEST_STEP / largest)
         for i in range(n):
             candidate[i] = q[i] + factor * desired[i]
-        steps += 1 + search(chain, limits, correction, target, candidate, candidate_error)
-        if reached(candidate_error, options):
+        steps += 1 + search(arm, (CORRECTION_STEPS, PATIENT), target, candidate, candidate_error)
+        if reached(arm, candidate_error):
             copy_into(q, candidate)
             copy_into(error, candidate_error)
         else:
@@ -236,23 +227,26 @@ def _self_motion(
 
 
 @compiled()
-def _turn_near(reference: Array, chain: ChainArrays, limits: Array, q: Array) -> None:
+def _turn_near(reference: Array, arm: Arm, q: Array) -> None:
     """Add full turns inside the limits, so that each axis is nearest to the reference."""
     turn = 2.0 * np.pi
     for i in range(q.size):
-        if chain[i, 12] != 0.0:
+        if arm.chain[i, 12] != 0.0:
             continue
         turned = q[i] + turn * np.round((reference[i] - q[i]) / turn)
-        if limits[0, i] <= turned <= limits[1, i]:
+        if arm.limits[0, i] <= turned <= arm.limits[1, i]:
             q[i] = turned
 
 
 @compiled()
-def reached(error: Array, options: Options) -> bool:
+def reached(arm: Arm, error: Array) -> bool:
     """Both errors are inside the tolerances."""
+    most_position, most_orientation = arm.tolerances
     position = error[0] * error[0] + error[1] * error[1] + error[2] * error[2]
     orientation = error[3] * error[3] + error[4] * error[4] + error[5] * error[5]
-    return bool(position <= options[0] * options[0] and orientation <= options[1] * options[1])
+    return bool(
+        position <= most_position * most_position and orientation <= most_orientation * most_orientation
+    )
 
 
 @compiled()
@@ -265,11 +259,10 @@ def _square(error: Array) -> float:
 
 @compiled()
 def solve_poses(
-    chain: ChainArrays,
-    limits: Array,
+    arm: Arm,
     starts: Array,
     redundancy: RedundancyArrays,
-    options: Options,
+    effort: Effort,
     r: Array,
     T: Array,
     q: Array,
@@ -279,4 +272,4 @@ def solve_poses(
     """`solve_pose` for many: r (m, 3), T (m, 3, 3), q (m, n), errors (m, 6), steps (m,)."""
     for pose in range(r.shape[0]):
         target = (r[pose], T[pose])
-        steps[pose] = solve_pose(chain, limits, starts, redundancy, options, target, q[pose], errors[pose])
+        steps[pose] = solve_pose(arm, starts, redundancy, effort, target, q[pose], errors[pose])

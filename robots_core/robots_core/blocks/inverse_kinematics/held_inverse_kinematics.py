@@ -7,7 +7,12 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct, residual
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares, low_discrepancy
-from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import PATIENT, PROGRESS_STEPS, search
+from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
+    PATIENT,
+    PROGRESS_STEPS,
+    Arm,
+    search,
+)
 from robots_core.blocks.inverse_kinematics.hold import DIRECTIONS, POSE, condition_rows, held_by
 from robots_core.blocks.inverse_kinematics.ik_result import IkResult
 from robots_core.kernels.serial_chain import ChainArrays, SerialChain
@@ -62,9 +67,9 @@ class HeldInverseKinematics:
         self.hold = held_by(n, hold)
         self._rows = condition_rows(self.hold, n)
         self._chain = SerialChain.of(robot, tool)
-        self._free = _with_free_wrist(self._chain)
         turn = np.full(3, np.inf)
-        self._limits = np.array([[*self._axes.lower, *-turn], [*self._axes.upper, *turn]])
+        limits = np.array([[*self._axes.lower, *-turn], [*self._axes.upper, *turn]])
+        self._free = Arm(_with_free_wrist(self._chain), limits, (TOLERANCE, TOLERANCE))
         self._starts = low_discrepancy(self._axes, restarts, 0.5)
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
@@ -115,8 +120,8 @@ class HeldInverseKinematics:
         q = np.concatenate([start, np.zeros(3)])
         # The orientation at the start is that to which the free axes belong: they begin where they should be.
         target = (np.array(pose.r), np.array(self._chain.forward(start).T))
-        options = (TOLERANCE, TOLERANCE, MAX_ITERATIONS, PROGRESS_STEPS if self._rows > 3 else PATIENT)
-        steps = search(self._free, self._limits, options, target, q, error)
+        effort = (MAX_ITERATIONS, PROGRESS_STEPS if self._rows > 3 else PATIENT)
+        steps = search(self._free, effort, target, q, error)
         return self._near(start, q[:n].copy()), int(steps)
 
     def _near(self, start: Array, q: Array) -> Array:
