@@ -66,30 +66,25 @@ class Redundancy:
         """Stay away from singularities: ascend the gradient of log sqrt(det(J J^T)) (Yoshikawa 1985)."""
         return cls(MANIPULABILITY)
 
-    def target(self, axes: AxesData) -> tuple[Array, Array]:
-        """Preferred joint positions (n,) and the weight per axis (n,), 0..1, for compiled code.
-
-        Raises:
-            JointLimitError: the preferred positions lie outside the limits.
-            InvalidInputError: they, or the weights, have another shape or are not finite.
-        """
-        n = axes.num_axes
-        if self.kind == PREFERRED_POSITIONS:
-            weights = finite_vector(self.weights, n, 'weights') if self.weights.size else np.ones(n)
-            return axes.check_position(self.preferred, 'preferred'), weights
-        if self.kind == LIMITS:
-            middle, half = axes.middle_and_half
-            if np.isinf(half).all():
-                return middle, np.zeros(n)
-            return middle, (half.min() / half) ** 2
-        return np.zeros(n), np.ones(n)
-
 
 def redundancy_arrays(redundancy: Redundancy | None, axes: AxesData) -> RedundancyArrays:
-    """Arrays for compiled code; without a criterion all weights are 0."""
+    """Arrays for compiled code; without a criterion all weights are 0.
+
+    Raises:
+        JointLimitError: the preferred positions lie outside the limits.
+        InvalidInputError: they, or the weights, have another shape or are not finite.
+    """
+    n = axes.num_axes
+    preferred, weights = np.zeros(n), np.ones(n)
     if redundancy is None:
-        return NO_CRITERION, np.zeros(axes.num_axes), np.zeros(axes.num_axes)
-    preferred, weights = redundancy.target(axes)
+        return NO_CRITERION, preferred, np.zeros(n)
+    if redundancy.kind == PREFERRED_POSITIONS:
+        preferred = axes.check_position(redundancy.preferred, 'preferred')
+        if redundancy.weights.size:
+            weights = finite_vector(redundancy.weights, n, 'weights')
+    elif redundancy.kind == LIMITS:
+        preferred, half = axes.middle_and_half
+        weights = np.zeros(n) if np.isinf(half).all() else (half.min() / half) ** 2
     # Copies can be written to, as the arrays without a criterion: for others all would be compiled again.
     return redundancy.kind, np.array(preferred), np.array(weights)
 
