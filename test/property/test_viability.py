@@ -50,9 +50,8 @@ def test_any_choice_inside_the_interval_stays_inside_the_limits(
     lower, upper, velocity, acceleration = (np.array([value]) for value in (-1.0, 1.0, 2.0, 8.0))
     q, v, low, high = np.array([start]), np.zeros(1), np.empty(1), np.empty(1)
     for choice in choices:
-        velocity_interval(
-            q, v, lower, upper, velocity, acceleration, deceleration * acceleration, dt, low, high
-        )
+        limits = np.array([lower, upper, velocity, acceleration, deceleration * acceleration])
+        velocity_interval(q, v, limits, dt, low, high)
         brake = v - np.clip(v, -deceleration * acceleration * dt, deceleration * acceleration * dt)
         assert low[0] - 1e-12 <= brake[0] <= high[0] + 1e-12
         w = low + choice * (high - low)

@@ -179,9 +179,7 @@ class TeachBox:
         )
         braking = self._ik.deceleration
         self._axes = AxisFollowing(axes, dt, deceleration=braking)
-        # Copies: read-only arrays would be compiled for once more, when a person begins to jog.
-        lower, upper, braking = np.array(axes.lower), np.array(axes.upper), np.array(braking)
-        self._limits = (lower, upper, np.array(axes.velocity), np.array(axes.acceleration), braking)
+        self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration, braking])
         self._low, self._high = np.empty(axes.num_axes), np.empty(axes.num_axes)
         self._command: Array = np.zeros(axes.num_axes)
         self._frame: JogAxes | None = None
@@ -257,7 +255,7 @@ class TeachBox:
     def _step_axes(self) -> TeachStep:
         axes, dt = self.robot.axes_data, self.dt
         q, q_dot = self._state[0], self._state[1]
-        velocity_interval(q, q_dot, *self._limits, dt, self._low, self._high)
+        velocity_interval(q, q_dot, self._limits, dt, self._low, self._high)
         wanted = np.clip(self._command, -axes.velocity, axes.velocity)
         change = axes.acceleration * dt
         # Reasons not to continue as fast, or not even to start.

@@ -1,4 +1,3 @@
-# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """AxisFollowing: every axis follows a moving reference inside its limits, able to brake at any time."""
 
 import numpy as np
@@ -42,7 +41,7 @@ class AxisFollowing:
             )
         self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration, braking])
         self._still = np.zeros(axes.num_axes)
-        self._arguments = np.empty((4, axes.num_axes))
+        self._now = np.empty((4, axes.num_axes))
         # Compiled code is loaded here and not in the first step of a real-time loop.
         inside = np.clip(self._still, axes.lower, axes.upper)
         self.step(inside, self._still, inside, self._still)
@@ -61,9 +60,9 @@ class AxisFollowing:
             speed: Part of the velocity limits to use, 0..1.
         """
         # Compiled code is specialised for one memory layout; another would take seconds to compile.
-        a, state = self._arguments, np.empty((3, q.size))
-        a[0], a[1], a[2], a[3] = q, q_dot, q_reference, q_dot_reference
-        _follow(a[0], a[1], a[2], a[3], self._limits, speed, self.dt, state)
+        now, state = self._now, np.empty((3, q.size))
+        now[0], now[1], now[2], now[3] = q, q_dot, q_reference, q_dot_reference
+        _follow(now, self._limits, speed, self.dt, state)
         return state
 
     def brake(self, q: Array, q_dot: Array) -> Array:
@@ -77,19 +76,14 @@ class AxisFollowing:
 
 
 @compiled()
-def _follow(
-    q: Array,
-    q_dot: Array,
-    q_reference: Array,
-    q_dot_reference: Array,
-    limits: Array,
-    speed: float,
-    dt: float,
-    state: Array,
-) -> None:
+def _follow(now: Array, limits: Array, speed: float, dt: float, state: Array) -> None:
+    """`AxisFollowing.step`, from positions and velocities, and their references, (4, n)."""
+    q, q_dot, q_reference, q_dot_reference = now[0], now[1], now[2], now[3]
     n = q.size
-    low, high = np.empty(n), np.empty(n)
-    velocity_interval(q, q_dot, limits[0], limits[1], speed * limits[2], limits[3], limits[4], dt, low, high)
+    low, high, slower = np.empty(n), np.empty(n), limits.copy()
+    for i in range(n):
+        slower[2, i] = speed * limits[2, i]
+    velocity_interval(q, q_dot, slower, dt, low, high)
     for i in range(n):
         # The error that remains if the axis moves like the reference from now on.
         error = q_reference[i] - q[i] - 0.5 * dt * (q_dot[i] + q_dot_reference[i])

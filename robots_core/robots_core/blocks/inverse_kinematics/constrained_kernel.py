@@ -90,7 +90,7 @@ def constrained_step(
     if redundancy[0] != NO_CRITERION:
         _add_redundancy(redundancy, q, J, options, limits, f)
     low, high, C = np.empty(2 * n), np.empty(2 * n), np.empty((n, n))
-    velocity_interval(q, q_dot, limits[0], limits[1], limits[2], limits[3], limits[4], dt, low, high)
+    velocity_interval(q, q_dot, limits, dt, low, high)
     _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, low, high)
     w, multipliers = np.empty(n), np.empty(2 * n)
     status = solve_factorised(L, f, low, high, C, w, multipliers)

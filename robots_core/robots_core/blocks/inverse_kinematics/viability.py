@@ -48,36 +48,26 @@ def fastest_stoppable(distance: float, deceleration: float, dt: float) -> float:
 
 
 @compiled()
-def velocity_interval(
-    q: Array,
-    q_dot: Array,
-    lower: Array,
-    upper: Array,
-    velocity: Array,
-    acceleration: Array,
-    deceleration: Array,
-    dt: float,
-    low: Array,
-    high: Array,
-) -> None:
+def velocity_interval(q: Array, q_dot: Array, limits: Array, dt: float, low: Array, high: Array) -> None:
     """Fill the velocities [low, high], (n,) each, that the axes may have after the next period.
 
-    They keep acceleration and velocity limits, and lead to states viable for braking by `deceleration`, which
-    is at most the acceleration limit. From a state outside, the acceleration limit is kept and the others are
-    approached as fast as it allows.
+    The rows of `limits` are lower, upper, velocity, acceleration, and a deceleration that is at most the
+    acceleration. The velocities keep the limits, and lead to states viable for braking by the deceleration.
+    From a state outside, the acceleration limit is kept and the others are approached as fast as it allows.
     """
     for i in range(q.size):
-        v = q_dot[i]
-        change = acceleration[i] * dt
+        v, velocity, deceleration = q_dot[i], limits[2, i], limits[4, i]
+        change = limits[3, i] * dt
         ahead = 0.5 * dt * v
-        top = min(velocity[i], fastest_stoppable(upper[i] - q[i] - ahead, deceleration[i], dt))
-        bottom = -min(velocity[i], fastest_stoppable(q[i] - lower[i] + ahead, deceleration[i], dt))
+        above, below = limits[1, i] - q[i], q[i] - limits[0, i]
+        top = min(velocity, fastest_stoppable(above - ahead, deceleration, dt))
+        bottom = -min(velocity, fastest_stoppable(below + ahead, deceleration, dt))
         # Braking is always admissible; rounding must not exclude it on the boundary.
-        brake = v - min(max(v, -deceleration[i] * dt), deceleration[i] * dt)
-        if v > 0.0 and upper[i] - q[i] >= ahead:
-            top = max(top, min(brake, velocity[i]))
-        if v < 0.0 and q[i] - lower[i] >= -ahead:
-            bottom = min(bottom, max(brake, -velocity[i]))
+        brake = v - min(max(v, -deceleration * dt), deceleration * dt)
+        if v > 0.0 and above >= ahead:
+            top = max(top, min(brake, velocity))
+        if v < 0.0 and below >= -ahead:
+            bottom = min(bottom, max(brake, -velocity))
         top = min(max(top, v - change), v + change)
         bottom = min(max(bottom, v - change), v + change)
         if bottom > top:
