@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from numpy.typing import ArrayLike
 
@@ -14,9 +13,6 @@ from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, Second
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import one_of
-
-if TYPE_CHECKING:
-    from robots_core.blocks.floating_base.floating_base import FloatingBase
 
 check_level: Final = one_of('drive level', DRIVE_LEVELS)
 
@@ -32,7 +28,6 @@ def drive_train(
     payload: Payload = NOTHING,
     feed_forward: bool = True,
     orbit: Path | str = '',
-    base: FloatingBase | None = None,
 ) -> DriveTrain:
     """Drives of a robot.
 
@@ -47,35 +42,32 @@ def drive_train(
         payload: Payload on tool0, for `rigid_body`.
         feed_forward: Feed-forward by the model of robot and payload, for `rigid_body` (see `RigidBodyDrive`).
         orbit: Orbit in which the robot's base floats (YAML, see `read_orbit`); '' for one that stands.
-        base: Base that floats with something else than an orbit, for `rigid_body`.
 
     Raises:
         InvalidInputError: no such level, a file that is no orbit, or values out of range.
     """
     check_level(level)
+    bodies = None
     if orbit:
         # Imported on demand: a robot that stands needs no bodies in orbit.
         floating = import_module('robots_core.blocks.drives.floating_drive')
         bodies = floating.bodies_in_orbit(orbit, robot, q, period=period, payload=payload)
-        joints = drive_train(
-            level,
+    drives: DriveTrain
+    if level == 'ideal':
+        drives = IdealDrive(q, period=period)
+    elif level == 'second_order':
+        drives = SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
+    else:
+        # Imported on demand: only `rigid_body` needs the compiler.
+        rigid_body = import_module('robots_core.blocks.drives.rigid_body_drive')
+        drives = rigid_body.RigidBodyDrive(
             robot,
             q,
             period=period,
-            bandwidth=bandwidth,
-            damping=damping,
             payload=payload,
             feed_forward=feed_forward,
-            base=bodies.base,
+            base=None if bodies is None else bodies.base,
         )
-        drives: DriveTrain = floating.FloatingDrive(joints, bodies)
-        return drives
-    if level == 'ideal':
-        return IdealDrive(q, period=period)
-    if level == 'second_order':
-        return SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
-    # Imported on demand: only `rigid_body` needs the compiler.
-    rigid_body_drive: Callable[..., DriveTrain] = import_module(
-        'robots_core.blocks.drives.rigid_body_drive'
-    ).RigidBodyDrive
-    return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward, base=base)
+    if bodies is not None:
+        drives = floating.FloatingDrive(drives, bodies)
+    return drives
