@@ -31,6 +31,6 @@ class Status:
     values: Mapping[str, object] = field(default_factory=dict)
 
     @classmethod
-    def of_problem(cls, name: str, problem: str, values: Mapping[str, object] | None = None) -> 'Status':
+    def of_problem(cls, name: str, problem: str) -> 'Status':
         """Of what has a problem, an error, or none: ''."""
-        return cls(name, problem or 'none', Level.ERROR if problem else Level.OK, values or {})
+        return cls(name, problem or 'none', Level.ERROR if problem else Level.OK)
