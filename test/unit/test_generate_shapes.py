@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from drawings import DRAWINGS, drawn_at
-from generate_shapes import MESHES, generate_shapes, main
+from generate_shapes import DRAWINGS, MESHES, drawn_at, generate_shapes, main
 
 FOLDER = Path(str(files('robots_models')))
 ROBOTS = sorted(folder.parent.name for folder in FOLDER.glob(f'*/{MESHES}'))  # others use theirs
