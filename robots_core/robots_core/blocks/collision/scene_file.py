@@ -1,12 +1,14 @@
 """Scenes from YAML files; errors name the line."""
 
+import re
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, PlacedObject, Scene, SceneObject
-from robots_core.blocks.zones.zone_section import read_zone
+from robots_core.blocks.zones.zone import HalfSpace, Keep, PlacedBox, What, Zone
 from robots_core.files.placed_section import read_name, read_pose
 from robots_core.files.user_file import read_text
 from robots_core.files.yaml_section import YamlSection, located, parse_yaml
@@ -20,6 +22,9 @@ ROUND: Final[dict[str, tuple[Callable[..., Geometry], tuple[str, ...]]]] = {
     'capsule': (Capsule, ('radius', 'length')),
 }
 GEOMETRIES: Final = ('box', *ROUND, 'mesh')
+KEEP: Final[dict[str, Keep]] = {'in': 'in', 'out': 'out'}
+NAMESPACE: Final = re.compile(r'/|(/[A-Za-z_]\w*)+', re.ASCII)
+WHAT: Final[dict[str, What]] = {'tool': 'tool', 'bodies': 'bodies'}
 Placed = TypeVar('Placed', bound=PlacedObject)
 
 
@@ -45,7 +50,7 @@ def read_scene(path: Path | str) -> Scene:
         if not (isinstance(names, list) and len(names) == 2 and all(isinstance(n, str) for n in names)):
             raise located(section.file, line, f'{names!r} must be a pair of names [one, other]')
         pairs.add((names[0], names[1]))
-    zones = tuple(read_zone(item, lines) for item in section.sections('zones'))
+    zones = tuple(_read_zone(item, lines) for item in section.sections('zones'))
     section.finish()
     return Scene(objects, attached, frozenset(pairs), zones)
 
@@ -75,7 +80,7 @@ def _geometry(item: YamlSection, kind: str, folder: Path) -> Geometry:
         scale = parts.number('scale', 1.0)
         geometry = parts.made('file', lambda name: read_mesh(folder / str(name), scale))
     elif kind == 'box':
-        geometry = parts.made('size', lambda size: Box(tuple(finite_vector(size, 3, 'size').tolist())))
+        geometry = _box(parts)
     else:
         make, keys = ROUND[kind]
         numbers = {key: parts.number(key) for key in keys}
@@ -88,3 +93,61 @@ def _colour(value: Any) -> tuple[float, float, float, float]:
     channels = finite_vector(value, 3 if count == 3 else 4, 'colour')
     rgba = [fraction(float(channel), 'colour') for channel in channels] + [1.0]
     return rgba[0], rgba[1], rgba[2], rgba[3]
+
+
+def _read_zone(item: YamlSection, lines: dict[str, int]) -> Zone:
+    """A zone; `lines` holds those of all names."""
+    name = read_name(item, lines)
+    kinds = [key for key in ('box', 'plane') if key in item]
+    if len(kinds) != 1:
+        raise item.error(
+            f'zone {name!r} has {" and ".join(kinds) or "neither box nor plane"}; needed is one of both'
+        )
+    region: PlacedBox | HalfSpace
+    if 'box' in item:
+        region = PlacedBox(_box(item.needed_section('box')), read_pose(item.section('pose')))
+    else:
+        region = _plane(item.needed_section('plane'))
+    zone = Zone(
+        name,
+        region,
+        KEEP[item.text('keep', among=KEEP)],
+        WHAT[item.text('what', among=WHAT)],
+        MappingProxyType(_closed_by(item)),
+        _shared_with(item),
+    )
+    item.finish(('box', 'plane'))
+    return zone
+
+
+def _box(parts: YamlSection) -> Box:
+    return parts.made('size', lambda size: Box(tuple(finite_vector(size, 3, 'size').tolist())))
+
+
+def _plane(parts: YamlSection) -> HalfSpace:
+    point = parts.made('point', lambda value: finite_vector(value, 3, 'point'))
+    normal = parts.made('normal', lambda value: finite_vector(value, 3, 'normal'))
+    return parts.checked(lambda: HalfSpace(point, normal))
+
+
+def _closed_by(item: YamlSection) -> dict[str, bool]:
+    parts = item.section('closed_by')
+    if parts is None:
+        return {}
+    if not parts.keys:
+        raise parts.error('closed_by names no input; without closed_by the zone is always closed')
+    return {key: parts.switch(key) for key in parts.keys}
+
+
+def _shared_with(item: YamlSection) -> tuple[str, ...]:
+    names = item.texts('shared_with')
+    if not names and 'shared_with' in item:
+        raise item.error(
+            'shared_with names no robot; without it the zone is of this robot alone', 'shared_with'
+        )
+    for place, (name, line) in enumerate(names):
+        if not NAMESPACE.fullmatch(name):
+            raise located(item.file, line, f'{name!r} is no namespace of a robot; valid are /robot_b and /')
+        if name in [earlier for earlier, _ in names[:place]]:
+            raise located(item.file, line, f'{name} stands twice in shared_with')
+    return tuple(name for name, _ in names)
