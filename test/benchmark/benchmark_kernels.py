@@ -22,9 +22,8 @@ import pinocchio as pin
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import RigidBodyDrive
 from robots_core.kernels.chain_dynamics import bodies_of, chain_dynamics_of, fill_dynamics, fill_torques
-from robots_core.kernels.jacobian_derivative import jacobian_der
 from robots_core.kernels.loaded_numba import nb
-from robots_core.kernels.serial_chain import SerialChain, pose_and_jacobian, tool_poses
+from robots_core.kernels.serial_chain import SerialChain, jacobian_der, pose_and_jacobian, tool_poses
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
 from robots_core.validation import Array
 from robots_planning import LinearCartesianDynamicProgramming

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robots_core.blocks.drives.driver_stop import FAILURE_SHOWN, DriverStop
+from robots_core.blocks.drives.driver_drives import FAILURE_SHOWN, DriverStop
 
 LATER = 1.5 * FAILURE_SHOWN
 

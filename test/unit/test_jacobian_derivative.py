@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from robots_core import Pose, available_robot_models, load_robot_model
-from robots_core.kernels.jacobian_derivative import jacobian_der
-from robots_core.kernels.serial_chain import SerialChain, pose_and_jacobian
+from robots_core.kernels.serial_chain import SerialChain, jacobian_der, pose_and_jacobian
 
 
 def jacobian(chain: SerialChain, q: np.ndarray) -> np.ndarray:

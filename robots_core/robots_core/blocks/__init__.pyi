@@ -30,9 +30,9 @@ from .force_control.force_control import ForceControl as ForceControl
 from .force_control.force_control import ForceControlSettings as ForceControlSettings
 from .force_control.force_watch import ForceWatch as ForceWatch
 from .inverse_kinematics.analytical import AnalyticalInverseKinematic as AnalyticalInverseKinematic
+from .inverse_kinematics.constrained import ActiveLimit as ActiveLimit
 from .inverse_kinematics.constrained import ConstrainedInverseKinematics as ConstrainedInverseKinematics
-from .inverse_kinematics.constrained_step import ActiveLimit as ActiveLimit
-from .inverse_kinematics.constrained_step import ConstrainedStep as ConstrainedStep
+from .inverse_kinematics.constrained import ConstrainedStep as ConstrainedStep
 from .inverse_kinematics.damped_least_squares import DampedLeastSquares as DampedLeastSquares
 from .inverse_kinematics.ik_result import IkBatch as IkBatch
 from .inverse_kinematics.ik_result import IkResult as IkResult

@@ -8,8 +8,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
-from robots_core.blocks.drives.driver_stop import DriverStop
+from robots_core.blocks.drives.driver_drives import DriverDrives, DriverStop, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.message_builder import NONE

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.jacobian_derivative import jacobian_der
-from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.kernels.serial_chain import ChainArrays, error_between, jacobian_der, pose_and_jacobian
 from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse

@@ -6,14 +6,9 @@ from robots_core.validation import Array
 
 @compiled()
 def follow(transition: Array, q: Array, q_dot: Array, references: Array, states: Array) -> None:
-    """Fill positions and velocities after each period as `SecondOrderDrive.step` gives them, to the last bit.
+    """Fill the states (k, 2, n) after each period as `SecondOrderDrive.step` gives them, to the last bit.
 
-    Args:
-        transition: Of position and velocity, row by row, (4, n).
-        q: Positions at the start, (n,); overwritten.
-        q_dot: Velocities at the start, (n,); overwritten.
-        references: (k, 3, n), positions first.
-        states: Filled, (k, 2, n).
+    The transition (4, n) is that of position and velocity, row by row; q and q_dot are overwritten.
     """
     for i in range(len(references)):
         for axis in range(q.size):

@@ -1,15 +1,19 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """ZoneClearance: how far the tool or the bodies of a robot are from crossing the border of a zone."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.collision.distances.nearest_points import Indices
+from robots_core.blocks.collision.distances.nearest_points import Indices, support
+from robots_core.blocks.collision.distances.placed_solids import SolidArrays, box_reach
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid
-from robots_core.blocks.zones.wall_kernel import wall_distances
 from robots_core.blocks.zones.zone import PlacedBox, Zone
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import Vector, dot, row_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Geometry, Sphere
@@ -70,7 +74,7 @@ class ZoneClearance:
 
     def _walls(self, chosen: Indices, enough: Array) -> Array:
         solids, R, t = self._set.body[0], self._set.R, self._set.t
-        return wall_distances(solids, R, t, chosen, self._normals, self._offsets, enough)
+        return _wall_distances(solids, R, t, chosen, self._normals, self._offsets, enough)
 
     def closest(self, q: Array, enough: float = np.inf) -> tuple[float, str]:
         """The smallest clearance at joint positions `q`, (n,), m, and whose; see `clearances`."""
@@ -82,3 +86,33 @@ class ZoneClearance:
     def travels(self, turn: Array) -> Array:
         """Bounds on the changes of clearances, (s,) m, if axes move by at most `turn`, (n,) rad (m)."""
         return self._set.travels(self._every, turn)
+
+
+@compiled(counted=False)
+def _reach(solids: SolidArrays, R: Array, t: Array, s: int, axis: Vector) -> float:
+    """How far a solid reaches along a unit vector, m; see `box_reach`."""
+    parts, farthest = solids[0], -inf
+    for p in range(solids[1][s], solids[1][s + 1]):
+        point = support(parts, R, t, p, axis[0], axis[1], axis[2])
+        farthest = max(farthest, dot(point, axis) + parts[4][p])
+    return farthest
+
+
+@compiled()
+def _wall_distances(
+    solids: SolidArrays, R: Array, t: Array, chosen: Indices, normals: Array, offsets: Array, enough: Array
+) -> Array:
+    """Distances of walls from the points of solids that are farthest along their normals, (c, k) m.
+
+    Exact up to `enough`, (c,) m, for solids of any kind, lower bounds beyond it; below 0 where a solid
+    crosses one. The solids are placed at R (s, 3, 3) and t (s, 3); the walls have unit normals (k, 3) and
+    distances from the origin along them, (k,).
+    """
+    result = np.empty((chosen.size, offsets.size))
+    for i in range(chosen.size):
+        for k in range(offsets.size):
+            wall = row_of(normals, k)
+            result[i, k] = offsets[k] - box_reach(solids, R, t, chosen[i], wall)
+            if result[i, k] <= enough[i]:
+                result[i, k] = offsets[k] - _reach(solids, R, t, chosen[i], wall)
+    return result
