@@ -52,15 +52,11 @@ class PoseFollowing(ABC):
         robot: The robot.
         dt: Period, s.
         tool: Pose of the tool centre point in tool0, which follows the reference.
-        hold: What of the reference is followed, see `held_by`.
-
-    Raises:
-        InvalidInputError: a `hold` that does not exist.
+        hold: What of the reference is followed, one of HOLDS.
     """
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
-        self.robot, self.dt, self.tool = robot, dt, tool
-        self.hold = held_by(robot.num_axes, hold)
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str) -> None:
+        self.robot, self.dt, self.tool, self.hold = robot, dt, tool, hold
         self._axes = AxisFollowing(robot.axes_data, dt, deceleration=braking_deceleration(robot))
 
     @abstractmethod
@@ -90,7 +86,7 @@ class ConstrainedFollowing(PoseFollowing):
     A robot on a sliding axis keeps the posture in which it began, as far as the axis can go in its place.
     """
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str) -> None:
         super().__init__(robot, dt, tool, hold)
         self._ik = ConstrainedInverseKinematics(
             robot,
@@ -111,19 +107,24 @@ class ConstrainedFollowing(PoseFollowing):
         return FollowedStep(step.values[:3], step.position_error, step.orientation_error, step.slack, limits)
 
 
-class _JointFollowing(PoseFollowing):
-    """By joint positions for each pose, which the axes follow independently; torques are not limited."""
+class JointFollowing(PoseFollowing):
+    """By joint positions for each pose, which the axes follow independently; torques are not limited.
 
-    _last: Array | None = None
+    Arguments are those of `PoseFollowing`, and what finds joint positions (n,) for a pose of the tool, near
+    others.
+    """
 
-    @abstractmethod
-    def _solution(self, pose: Pose, q: Array) -> Array:
-        """Joint positions (n,) for a pose of the tool, near `q`."""
+    def __init__(
+        self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str, solve: Callable[[Pose, Array], Array]
+    ) -> None:
+        super().__init__(robot, dt, tool, hold)
+        self._solve = solve
+        self._last: Array | None = None
 
     def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
         """See `PoseFollowing.follow`."""
         del twist
-        solution = self._solution(pose, q)
+        solution = self._solve(pose, q)
         velocity = np.zeros_like(q) if self._last is None else (solution - self._last) / self.dt
         if (np.abs(velocity) > self.robot.axes_data.velocity).any():  # a jump of the reference
             velocity = np.zeros_like(q)
@@ -132,50 +133,34 @@ class _JointFollowing(PoseFollowing):
         return FollowedStep(state, *self.pose(state[0]).distance_to(pose))
 
 
-class DampedLeastSquaresFollowing(_JointFollowing):
-    """By `DampedLeastSquares` from the last solution; for an unreachable pose, the closest one found."""
-
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
-        super().__init__(robot, dt, tool, hold)
-        self._ik: DampedLeastSquares | HeldInverseKinematics
-        if self.hold == POSE:
-            self._ik = DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0, tool=tool)
-        else:
-            self._ik = HeldInverseKinematics(robot, tool=tool, hold=self.hold, restarts=0)
-        self._solution(self.pose(robot.home), np.array(robot.home))
-
-    def _solution(self, pose: Pose, q: Array) -> Array:
-        return self._ik.solve(pose, q).q
-
-
-class AnalyticalFollowing(_JointFollowing):
-    """By `AnalyticalInverseKinematic`, on the branch nearest to the last solution."""
-
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
-        super().__init__(robot, dt, tool, hold)
-        if self.hold != POSE:
-            raise InvalidInputError(
-                f"method 'analytical' follows whole poses; for hold = {self.hold!r} use 'constrained' or "
-                f"'damped_least_squares'"
-            )
-        self._ik = AnalyticalInverseKinematic(robot)
-
-    def _solution(self, pose: Pose, q: Array) -> Array:
-        return self._ik.solve(pose @ self.tool.inverse(), q)
-
-
 def pose_following(
     method: str, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = ''
 ) -> PoseFollowing:
     """The following by a method, one of METHODS.
 
+    'damped_least_squares' follows the closest pose that it finds; 'analytical' follows whole poses, on the
+    branch nearest to the last solution.
+
     Raises:
         InvalidInputError: no such method, or a `hold` that it does not have.
         NoAnalyticInverseKinematicsError: the robot has no closed form.
     """
-    following: dict[str, Callable[..., PoseFollowing]] = {
-        'constrained': ConstrainedFollowing,
-        'damped_least_squares': DampedLeastSquaresFollowing,
-        'analytical': AnalyticalFollowing,
-    }
-    return following[one_of('method', METHODS)(method)](robot, dt, tool, hold)
+    one_of('method', METHODS)(method)
+    hold = held_by(robot.num_axes, hold)
+    if method == 'constrained':
+        return ConstrainedFollowing(robot, dt, tool, hold)
+    if method == 'analytical':
+        if hold != POSE:
+            raise InvalidInputError(
+                f"method 'analytical' follows whole poses; for hold = {hold!r} use 'constrained' or "
+                f"'damped_least_squares'"
+            )
+        return JointFollowing(robot, dt, tool, hold, AnalyticalInverseKinematic(robot, tool=tool).solve)
+    numerical = (
+        DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0, tool=tool)
+        if hold == POSE
+        else HeldInverseKinematics(robot, tool=tool, hold=hold, restarts=0)
+    )
+    # Compiled code is loaded here and not in the first step of a real-time loop.
+    numerical.solve(Pose(*robot.direct_kinematics(robot.home)) @ tool, robot.home)
+    return JointFollowing(robot, dt, tool, hold, lambda pose, q: numerical.solve(pose, q).q)
