@@ -1,17 +1,26 @@
 """What a robot model consists of: kinematics, dynamics, shapes, and dimensions (the paper's records)."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
 
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.shapes import Shape
-from robots_core.validation import Array, read_only
+from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 
-class KinematicModel(ABC):
-    """The paper's KinematicModel: coordinate frames of every axis for given joint positions."""
+class KinematicModel:
+    """The paper's KinematicModel: coordinate frames of every axis for given joint positions, by Pinocchio.
 
-    @abstractmethod
+    Args:
+        model: With one position per joint.
+    """
+
+    def __init__(self, model: pin.Model) -> None:
+        self._model = model
+        self._data = model.createData()
+
     def frame_axes(self, q: Array) -> tuple[Array, Array]:
         """Frames of all axes, seen from the base.
 
@@ -27,36 +36,54 @@ class KinematicModel(ABC):
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
+        n = self._model.nv
+        pin.forwardKinematics(self._model, self._data, finite_vector(q, n, 'q'))
+        r, T = np.empty((n, 3)), np.empty((n, 3, 3))
+        for axis in range(n):
+            placement = self._data.oMi[axis + 1]
+            r[axis], T[axis] = placement.translation, placement.rotation
+        return r, T
 
 
-class RigidDynamicsModel(ABC):
+class RigidDynamicsModel:
     """The paper's RigidDynamicsModel: joint torques of the rigid multibody chain under gravity.
 
-    Every method raises InvalidInputError for an argument of another shape or not finite.
+    Recursive Newton-Euler and composite rigid body algorithms (Featherstone 2008) by Pinocchio. Every method
+    raises InvalidInputError for an argument of another shape or not finite.
+
+    Args:
+        model: With one position per joint.
 
     Attributes:
         masses: (n + 1,) kg; entry 0 is the base, entry i the body moved by axis i.
         centers_of_mass: (n + 1, 3) m, each in its body's axis frame.
         inertias: (n + 1, 3, 3) kg m^2, each about its centre of mass, axes of its axis frame.
-        gravity: Acceleration of free fall in the base frame, (3,), m/s^2; that of an upright base by default.
+        gravity: Acceleration of free fall in the base frame, (3,), m/s^2.
     """
 
-    masses: Array
-    centers_of_mass: Array
-    inertias: Array
-    gravity: Array = read_only((0.0, 0.0, -9.81))
+    def __init__(self, model: pin.Model) -> None:
+        self._model = model
+        self._data = model.createData()
+        self._n = model.nv
+        bodies = list(model.inertias)
+        self.masses = read_only([body.mass for body in bodies])
+        self.centers_of_mass = read_only([body.lever for body in bodies])
+        self.inertias = read_only([body.inertia for body in bodies])
+        self.gravity = read_only(model.gravity.linear)
 
-    @abstractmethod
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """Joint torques (n,), N m, for a motion: inverse dynamics."""
+        return np.asarray(pin.rnea(self._model, self._data, *finite_motion(q, q_dot, q_ddot, self._n)))
 
-    @abstractmethod
     def mass_matrix(self, q: Array) -> Array:
         """Joint-space mass matrix (n, n), kg m^2, symmetric and positive definite."""
+        # From Python, Pinocchio hands out both triangles.
+        return np.asarray(pin.crba(self._model, self._data, finite_vector(q, self._n, 'q')))
 
-    @abstractmethod
     def bias_torques(self, q: Array, q_dot: Array) -> Array:
         """Torques (n,), N m, of Coriolis, centrifugal and gravitational forces."""
+        q, q_dot = finite_state(q, q_dot, self._n)
+        return np.asarray(pin.nonLinearEffects(self._model, self._data, q, q_dot))
 
 
 @dataclass(frozen=True)

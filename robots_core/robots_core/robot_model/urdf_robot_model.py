@@ -18,8 +18,13 @@ from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.model_parts import CollisionModel, RobotVisualization, StructuralData
-from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
+from robots_core.robot_model.model_parts import (
+    CollisionModel,
+    KinematicModel,
+    RigidDynamicsModel,
+    RobotVisualization,
+    StructuralData,
+)
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
 from robots_core.robot_model.urdf.kept_shapes import kept_shapes
@@ -154,14 +159,14 @@ class UrdfRobotModel(BaseRobotModel):
         return self._structural_data
 
     @cached_property
-    def kinematic_model(self) -> PinocchioKinematicModel:
+    def kinematic_model(self) -> KinematicModel:
         """The chain of axis frames."""
-        return PinocchioKinematicModel(self._model)
+        return KinematicModel(self._model)
 
     @cached_property
-    def rigid_dynamics_model(self) -> PinocchioRigidDynamicsModel:
+    def rigid_dynamics_model(self) -> RigidDynamicsModel:
         """The chain with masses and inertias."""
-        return PinocchioRigidDynamicsModel(self._model)
+        return RigidDynamicsModel(self._model)
 
     @cached_property
     def visualization(self) -> RobotVisualization:

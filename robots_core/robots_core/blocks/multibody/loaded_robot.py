@@ -7,7 +7,6 @@ from robots_core.blocks.multibody.payload import Payload, payload_of
 from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.model_parts import RigidDynamicsModel
-from robots_core.robot_model.pinocchio_models import PinocchioRigidDynamicsModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_core.validation import Array, finite_motion
 
@@ -29,7 +28,7 @@ class LoadedRobot(WrappedRobot):
         dynamics = chain_dynamics_of(robot)
         model = body_model(robot, dynamics.chain, payload, floating=False)
         model.gravity.linear = dynamics.gravity
-        self._model = PinocchioRigidDynamicsModel(model)
+        self._model = RigidDynamicsModel(model)
 
     @property
     def rigid_dynamics_model(self) -> RigidDynamicsModel:
