@@ -24,7 +24,6 @@ from robots_planning.paths.joint_path import JointPath
 LAYER_LENGTH = 0.03  # m and rad between the poses at which self-motion is sampled
 LAYERS = (12, 120)  # fewest and most
 RELAXATIONS = (60, 15, 0)  # tried in turn: smoothing may move configurations closer to the limits
-LIMIT_ROOM = 0.03  # rad (m) between smoothed configurations and the limits
 PULL = 12.0  # towards the guide, per path
 OTHER_STARTS = 16  # random start configurations, for robots without a closed form
 
@@ -86,7 +85,7 @@ class ConfigurationGraph:
         interpolate = import_module('scipy.interpolate')  # imported on demand: few paths come here
         for rounds in RELAXATIONS:
             smooth = chosen.copy()
-            relax(chain, limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
+            relax(chain, limits, path.arrays, s, rounds, smooth)
             spline = interpolate.CubicSpline(s, smooth, axis=0, bc_type='natural')
             followed = self._kinematics.follow_guided(path, start, s, np.ascontiguousarray(spline.c), PULL)
             if followed is not None:

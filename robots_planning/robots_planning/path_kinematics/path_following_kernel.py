@@ -54,14 +54,17 @@ JointSamples = tuple[Array, Array, Array, Array]
 
 
 class FreeAxes(NamedTuple):
-    """How axes move that a path leaves free.
+    """What the tool holds of a path's poses, and how axes move that it leaves free.
 
     Attributes:
+        rows: 0 for whole poses, 3 for positions alone, 3 + n for the closest orientation too: see
+            `closest_orientation_kernel`.
         pull: Towards the guide g(s), per path; 0 without one: then the axes have the smallest velocities.
         breaks: Of the guide, a cubic spline, (m + 1,); (0, 1) without one.
         guide: Its coefficients, (4, m, n), highest power first.
     """
 
+    rows: int
     pull: float
     breaks: Array
     guide: Array
@@ -73,7 +76,6 @@ def follow(
     limits: Array,
     path: PathArrays,
     free: FreeAxes,
-    rows: int,
     start: Array,
     samples: JointSamples,
 ) -> tuple[int, int]:
@@ -85,8 +87,7 @@ def follow(
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
-        free: The guide.
-        rows: 0 for whole poses; else as in `held_following_kernel`.
+        free: What is held, and the guide.
         start: Joint positions at s = 0, (n,).
         samples: Filled; room for `MAX_SAMPLES` + 1.
 
@@ -95,14 +96,14 @@ def follow(
         possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
         limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    guess, residual = start.copy(), residual_for(start.size)
+    guess, residual = start.copy(), residual_for(chain, start.size)
     s, q = samples[0], samples[1]
     s[0] = 0.0
     copy_into(q[0], start)
-    place_target(path, 0.0, residual)
-    evaluate_residual(chain, start, residual)
+    place_target(residual, path, 0.0)
+    evaluate_residual(residual, start)
     count, piece, guide_piece = 1, 1, 1
-    if not _derivatives(chain, path, free, rows, samples, count - 1, residual):
+    if not _derivatives(residual, path, free, samples, 0):
         return SINGULAR_START, count
     # Towards a guide the axes turn faster at first.
     step = 0.5 * FIRST_STEP if free.pull > 0.0 else FIRST_STEP
@@ -114,7 +115,7 @@ def follow(
         border = min(path[0][piece], free.breaks[guide_piece])
         end = min(s[here] + step, border)
         s[count] = border if border - end < SHORTEST_STEP else end
-        deviation = _advance(chain, path, free, rows, samples, here, guess, residual)
+        deviation = _advance(residual, path, free, samples, here, guess)
         step = _next_step(s[count] - s[here], deviation)
         outcome = _judge(limits, samples, here, step, deviation)
         if outcome == FOLLOWED:
@@ -154,32 +155,22 @@ def _next_step(step: float, deviation: float) -> float:
 
 @compiled()
 def _advance(
-    chain: ChainArrays,
-    path: PathArrays,
-    free: FreeAxes,
-    rows: int,
-    samples: JointSamples,
-    i: int,
-    guess: Array,
-    residual: PoseResidual,
+    residual: PoseResidual, path: PathArrays, free: FreeAxes, samples: JointSamples, i: int, guess: Array
 ) -> float:
     """Fill sample i + 1 at its s; return the deviation in between, or -1 if the step is too long."""
-    s, q = samples[0], samples[1]
+    s, q, rows = samples[0], samples[1], free.rows
     n, j = guess.size, i + 1
     _extrapolate(samples, i, guess)
-    place_target(path, s[j], residual)
+    place_target(residual, path, s[j])
     # Where the target leaves axes free, it does not determine q: the integration is repeated.
     redundant = n > (rows or 6)
     for again in range(3 if free.pull > 0.0 else 2 if redundant else 1):
         if again:
             _integrate(samples, i, guess)
-        fine = (
-            correct(chain, guess, residual) if rows == 0 else correct_conditions(chain, guess, residual, rows)
-        )
-        if not fine:
+        if not (correct(residual, guess) if rows == 0 else correct_conditions(residual, guess, rows)):
             return -1.0
         copy_into(q[j], guess)
-        if not _derivatives(chain, path, free, rows, samples, j, residual):
+        if not _derivatives(residual, path, free, samples, j):
             return -1.0
     if free.pull > 0.0:
         _integrate(samples, i, guess)
@@ -189,25 +180,19 @@ def _advance(
         if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP or not abs(bend) <= LARGEST_BEND:
             return -1.0
     _interpolate(samples, i, guess)
-    place_target(path, 0.5 * (s[i] + s[j]), residual)
-    deviation = _deviation(chain, rows, guess, residual)
+    place_target(residual, path, 0.5 * (s[i] + s[j]))
+    deviation = _deviation(residual, rows, guess)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled()
 def _derivatives(
-    chain: ChainArrays,
-    path: PathArrays,
-    free: FreeAxes,
-    rows: int,
-    samples: JointSamples,
-    i: int,
-    residual: PoseResidual,
+    residual: PoseResidual, path: PathArrays, free: FreeAxes, samples: JointSamples, i: int
 ) -> bool:
     """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
     s, q, q_s, q_ss = samples
-    if rows > 0:
-        return rates_held(chain, path, s[i], q[i], residual, rows, q_s[i], q_ss[i])
+    if free.rows > 0:
+        return rates_held(residual, free.rows, path, s[i], q[i], q_s[i], q_ss[i])
     desired, desired_s = np.zeros(q.shape[1]), np.zeros(q.shape[1])
     if free.pull > 0.0:
         piece, c = interval_at(free.breaks, s[i]), free.guide
@@ -252,9 +237,9 @@ def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
 
 
 @compiled()
-def _deviation(chain: ChainArrays, rows: int, q: Array, residual: PoseResidual) -> float:
+def _deviation(residual: PoseResidual, rows: int, q: Array) -> float:
     """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
-    deviation = evaluate_residual(chain, q, residual)
+    deviation = evaluate_residual(residual, q)
     if rows > 0:
         deviation = max(abs(residual.error[0]), abs(residual.error[1]), abs(residual.error[2]))
     if deviation > PATH_TOLERANCE:
@@ -264,7 +249,7 @@ def _deviation(chain: ChainArrays, rows: int, q: Array, residual: PoseResidual) 
     elif rows == 3:
         return deviation
     else:
-        step = step_held(chain, q, residual, rows)
+        step = step_held(residual, q, rows)
     for k in range(q.size):
         deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
@@ -335,8 +320,8 @@ def stand_still(
         ends: Joint positions after, (k, n).
         still: Filled, (k,); False also where an axis leaves its limits.
     """
-    q, residual = begin.copy(), residual_for(begin.size)
-    place_target(path, s, residual)
+    q, residual = begin.copy(), residual_for(chain, begin.size)
+    place_target(residual, path, s)
     for row in range(ends.shape[0]):
         still[row] = True
         # The middle deviates most.
@@ -346,6 +331,6 @@ def stand_still(
                 q[k] = begin[k] + part * (ends[row, k] - begin[k])
                 if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
                     still[row] = False
-            if not still[row] or not evaluate_residual(chain, q, residual) <= STANDSTILL:
+            if not still[row] or not evaluate_residual(residual, q) <= STANDSTILL:
                 still[row] = False
                 break

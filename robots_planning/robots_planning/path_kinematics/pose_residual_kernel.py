@@ -20,9 +20,10 @@ DERIVATIVE_TOLERANCE = 1e-7  # of |x'|, by which J q' may differ from x', as it 
 
 
 class PoseResidual(NamedTuple):
-    """A target pose on a path, and its residual at joint positions q.
+    """A robot, a target pose on a path, and its residual at joint positions q.
 
     Attributes:
+        chain: Arrays of a `SerialChain`.
         r: Position of the target, (3,).
         T: Its orientation, (3, 3).
         x_s: The path's first derivative over s there, (6,).
@@ -31,6 +32,7 @@ class PoseResidual(NamedTuple):
         error: The residual: translation and rotation vector from the tool to the target, (6,).
     """
 
+    chain: ChainArrays
     r: Array
     T: Array
     x_s: Array
@@ -40,24 +42,23 @@ class PoseResidual(NamedTuple):
 
 
 @compiled()
-def residual_for(n: int) -> PoseResidual:
+def residual_for(chain: ChainArrays, n: int) -> PoseResidual:
     """Memory for a robot of n axes, made once per path."""
-    return PoseResidual(
-        np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((6, n)), np.empty(6)
-    )
+    r, T, x_s, x_ss = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
+    return PoseResidual(chain, r, T, x_s, x_ss, np.empty((6, n)), np.empty(6))
 
 
 @compiled()
-def place_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
+def place_target(residual: PoseResidual, path: PathArrays, s: float) -> None:
     """Set the target to the path's pose at `s`, with its derivatives."""
     pose_on_path(path, s, residual.r, residual.T, residual.x_s, residual.x_ss)
 
 
 @compiled()
-def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
+def evaluate_residual(residual: PoseResidual, q: Array) -> float:
     """Fill pose, Jacobian and residual at joint positions `q`, (n,); return the largest |entry|."""
     r, T = np.empty(3), np.empty((3, 3))
-    pose_and_jacobian(chain, q, r, T, residual.J)
+    pose_and_jacobian(residual.chain, q, r, T, residual.J)
     error_between(r, T, residual.r, residual.T, residual.error)
     largest = 0.0
     for k in range(6):
@@ -66,12 +67,12 @@ def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> f
 
 
 @compiled()
-def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
+def correct(residual: PoseResidual, q: Array) -> bool:
     """Newton's method from a close guess `q`, in place; False if it does not converge in a few steps.
 
     Afterwards the residual is that at the corrected `q`.
     """
-    error = evaluate_residual(chain, q, residual)
+    error = evaluate_residual(residual, q)
     for _ in range(CORRECTION_STEPS):
         if error < CORRECTION_TOLERANCE:
             break
@@ -81,7 +82,7 @@ def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
                 return False
         for k in range(q.size):
             q[k] += step[k]
-        error = evaluate_residual(chain, q, residual)
+        error = evaluate_residual(residual, q)
     return error < CORRECTION_TOLERANCE
 
 

@@ -22,6 +22,7 @@ SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring conf
 MAX_CONFIGURATIONS = 160  # of one pose
 # Largest motion of one axis, rad (m), between configurations of neighbouring poses that follow each other.
 LARGEST_MOTION = 0.35
+LIMIT_ROOM = 0.03  # rad (m) between smoothed configurations and the limits
 NOWHERE = -1
 INSIDE_STEPS = 4
 INSIDE_MOTION = 0.3  # rad (m) of the axis that moves most, in one step
@@ -30,9 +31,7 @@ RELAXATION = 0.3  # of the displacement towards the smoother configuration, per 
 
 
 @compiled()
-def sample_layer(
-    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual
-) -> int:
+def sample_layer(residual: PoseResidual, limits: Array, seeds: Array, nodes: Array) -> int:
     """Fill nodes (k, n) with configurations of the target pose connected to `seeds` (m, n); return k.
 
     From every seed, corrected to the pose, self-motion is followed in both directions until it reaches a
@@ -42,40 +41,30 @@ def sample_layer(
     for seed in range(seeds.shape[0]):
         q = seeds[seed]
         # Corrections are small: most seeds that were sampled already are recognised without one.
-        if _is_sampled(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
+        if _is_sampled(nodes, count, q, 0.5 * SPACING) or not correct(residual, q):
             continue
-        if not _move_inside(chain, limits, q, residual) or _is_sampled(nodes, count, q, 0.6 * SPACING):
+        if not _move_inside(residual, limits, q) or _is_sampled(nodes, count, q, 0.6 * SPACING):
             continue
         if count == nodes.shape[0]:
             break
         copy_into(nodes[count], q)
         count += 1
         for sign in (1.0, -1.0):
-            count = _sample_side(chain, limits, q.copy(), sign, nodes, count, residual)
+            count = _sample_side(residual, limits, q.copy(), sign, nodes, count)
     return count
 
 
 @compiled()
 def _sample_side(
-    chain: ChainArrays,
-    limits: Array,
-    q: Array,
-    sign: float,
-    nodes: Array,
-    count: int,
-    residual: PoseResidual,
+    residual: PoseResidual, limits: Array, q: Array, sign: float, nodes: Array, count: int
 ) -> int:
     """Append nodes in one direction of self-motion from `q`, which is overwritten; return the new count."""
-    evaluate_residual(chain, q, residual)
+    evaluate_residual(residual, q)
     direction = _null_direction(residual)
     while count < nodes.shape[0]:
         for k in range(q.size):
             q[k] += SPACING * sign * direction[k]
-        if (
-            not correct(chain, q, residual)
-            or not _inside(limits, q)
-            or _is_sampled(nodes, count, q, 0.6 * SPACING)
-        ):
+        if not correct(residual, q) or not _inside(limits, q) or _is_sampled(nodes, count, q, 0.6 * SPACING):
             break
         copy_into(nodes[count], q)
         count += 1
@@ -96,7 +85,7 @@ def _inside(limits: Array, q: Array) -> bool:
 
 
 @compiled()
-def _move_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual) -> bool:
+def _move_inside(residual: PoseResidual, limits: Array, q: Array) -> bool:
     """Bring axes that are slightly outside their limits back by self-motion, in place; False if that fails.
 
     The residual is that at `q`.
@@ -116,7 +105,7 @@ def _move_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseResi
             return False
         for k in range(n):
             q[k] += goal / direction[worst] * direction[k]
-        if not correct(chain, q, residual):
+        if not correct(residual, q):
             return False
     return False
 
@@ -170,27 +159,27 @@ def follow_layers(
     Returns:
         Number of layers that are not empty, and the number of configurations of each layer, (m,).
     """
-    m, n = s.size, start.size
+    m = s.size
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    residual = residual_for(n)
+    residual = residual_for(chain, start.size)
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
-        place_target(path, s[i - 1], residual)
-        _move_along(chain, s[i] - s[i - 1], seeds, residual)
-        place_target(path, s[i], residual)
-        counts[i] = sample_layer(chain, limits, seeds, layers[i], residual)
+        place_target(residual, path, s[i - 1])
+        _move_along(residual, s[i] - s[i - 1], seeds)
+        place_target(residual, path, s[i])
+        counts[i] = sample_layer(residual, limits, seeds, layers[i])
         if counts[i] == 0:
             return i, counts
     return m, counts
 
 
 @compiled()
-def _move_along(chain: ChainArrays, interval: float, seeds: Array, residual: PoseResidual) -> None:
+def _move_along(residual: PoseResidual, interval: float, seeds: Array) -> None:
     """Move seeds (k, n) by an interval of s along the path, unless that is a jump."""
     for k in range(seeds.shape[0]):
-        evaluate_residual(chain, seeds[k], residual)
+        evaluate_residual(residual, seeds[k])
         step = apply_pseudo_inverse(residual.J, residual.x_s)
         largest = 0.0
         for axis in range(step.size):
@@ -234,28 +223,26 @@ def fastest_sequence(layers: Array, counts: NDArray[np.int64], velocity: Array, 
 
 
 @compiled()
-def relax(
-    chain: ChainArrays, limits: Array, path: PathArrays, s: Array, margin: float, rounds: int, q: Array
-) -> None:
-    """Smooth q (m, n) at s (m,) by self-motion, with the first row fixed, `margin` inside the limits."""
+def relax(chain: ChainArrays, limits: Array, path: PathArrays, s: Array, rounds: int, q: Array) -> None:
+    """Smooth q (m, n) at s (m,) by self-motion, with the first row fixed, `LIMIT_ROOM` inside the limits."""
     m, n = q.shape
-    desired, moved, residual = np.empty(n), np.empty(n), residual_for(n)
+    desired, moved, residual = np.empty(n), np.empty(n), residual_for(chain, n)
     for _ in range(rounds):
         for i in range(1, m):
             for k in range(n):
                 # The end is free: linear extrapolation is the smoothest there.
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
                 desired[k] = RELAXATION * (target - q[i, k])
-            place_target(path, s[i], residual)
-            evaluate_residual(chain, q[i], residual)
+            place_target(residual, path, s[i])
+            evaluate_residual(residual, q[i])
             back = apply_pseudo_inverse(residual.J, multiply(residual.J, desired))
             for k in range(n):
                 moved[k] = q[i, k] + desired[k] - back[k]
-            if not correct(chain, moved, residual):
+            if not correct(residual, moved):
                 continue
             good = True
             for k in range(n):
-                room = min(margin, 0.25 * (limits[1, k] - limits[0, k]))
+                room = min(LIMIT_ROOM, 0.25 * (limits[1, k] - limits[0, k]))
                 low, high = min(limits[0, k] + room, q[i, k]), max(limits[1, k] - room, q[i, k])
                 good = good and low <= moved[k] <= high
             if good:
