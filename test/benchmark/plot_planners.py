@@ -28,8 +28,8 @@ from robots_planning import (
     Trajectory,
     verify,
 )
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
 
 STEP = 1e-3  # s

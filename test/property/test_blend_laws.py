@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.paths.circular_arc import CircularArc
 from robots_planning.trajectory_generators.trajectory_generator import Target

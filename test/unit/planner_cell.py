@@ -14,6 +14,7 @@ from robots_core.errors import RobotsError
 from robots_core.validation import Array
 from robots_planning import MotionSettings, PathPlanning
 from robots_planning.commands.command_queue import WINDOW
+from robots_planning.commands.motion_plan import MotionPlan
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_kinds import JOINT, LINE
 from robots_planning.pathplanning import PlannedMotion
@@ -69,13 +70,11 @@ class Cell:
     def release_after(self, patience: float) -> None:
         self.patience.append(patience)
 
-    def send(
-        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
-    ) -> None:
-        assert id_ in ends
-        assert tuple(ends.values())[-1] == motion.duration
-        self.ends.append(ends)
-        self.sent.append((id_, motion, title, join_time))
+    def send(self, plan: MotionPlan) -> None:
+        assert plan.id in plan.ends
+        assert tuple(plan.ends.values())[-1] == plan.motion.duration
+        self.ends.append(plan.ends)
+        self.sent.append((plan.id, plan.motion, plan.title, plan.join_time))
 
     def answer(self, result: MotionResult) -> None:
         self.answers.append(result)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.errors import PlanningError, RobotsError
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_planning import MotionSettings, PathPlanning
-from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
-from robots_planning.commands.command_queue import CommandQueue, QueuedCommand
-from robots_planning.commands.motion_chain import ChainPlan
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, MotionPlannerPort
+from robots_planning.commands.command_queue import CommandQueue
+from robots_planning.commands.motion_plan import MotionPlan, QueuedCommand
 from robots_planning.motion_kinds import JOINT, LINE, MotionKind
 from robots_planning.trajectory_generators.trajectory_generator import Target
 
@@ -27,35 +27,42 @@ def planning(robot: BaseRobotModel) -> PathPlanning:
     return PathPlanning(robot)
 
 
-class Desk:
+class Desk(MotionPlannerPort):
     """A planner with what it sends and refuses."""
 
     def __init__(self, planning: PathPlanning) -> None:
         self.robot = planning.robot
         self.start = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
+        self.speed = 0.0
         self.queue = CommandQueue()
-        self.sent: list[ChainPlan] = []
-        self.refused: dict[str, RobotsError] = {}
-        self.path_time = 0.0
-        self.planner = CommandPlanner(
-            planning,
-            self.queue,
-            standing=lambda: self.start,
-            path_time=lambda: self.path_time,
-            commit=self.queue.planned,
-            send=self.sent.append,
-            refuse=self.refuse,
-            give_up=self.refuse,
-        )
+        self.sent: list[MotionPlan] = []
+        self.refusals: dict[str, str] = {}
+        self.planner = CommandPlanner(planning, self.queue, self)
 
-    def refuse(self, order: QueuedCommand, error: RobotsError) -> None:
-        self.refused[order.id] = error
+    # -- port ---------------------------------------------------------------------------------------
+
+    def time(self) -> float:
+        return 0.0
+
+    def reference(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.start, np.full(6, self.speed)
+
+    def send(self, plan: MotionPlan) -> None:
+        self.sent.append(plan)
+
+    def answer(self, result: MotionResult) -> None:
+        self.refusals[result.id] = result.message
+
+    # -- those around it ----------------------------------------------------------------------------
 
     def order(self, number: int, target: Target, kind: MotionKind = JOINT, **how: object) -> None:
         order = QueuedCommand(str(number), kind, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
         orders = self.queue.hold(order)
         if orders:
             self.planner.plan(orders)
+
+    def pass_time(self, path_time: float) -> None:
+        self.planner.progress(path_time / self.queue.running[0].trajectory.duration)
 
     def pose(self, dx: float, dy: float, dz: float) -> Pose:
         start = Pose(*self.robot.direct_kinematics(self.start))
@@ -76,7 +83,7 @@ def test_each_motion_starts_where_the_one_before_ends(desk: Desk) -> None:
     for before, after in pairwise(trajectories):
         np.testing.assert_array_equal(after.position[0], before.position[-1])
     assert [[*motion.ends] for motion in desk.queue.running] == [['1'], ['2'], ['3']]
-    assert not desk.refused
+    assert not desk.refusals
 
 
 def test_a_chain_is_one_motion_of_its_last_command(desk: Desk) -> None:
@@ -85,7 +92,7 @@ def test_a_chain_is_one_motion_of_its_last_command(desk: Desk) -> None:
     assert not desk.sent
     desk.order(3, desk.pose(0.0, 0.1, 0.0), LINE)
     (planned,) = desk.sent
-    assert [order.id for order in planned.commands] == ['1', '2', '3']
+    assert [*planned.ends] == ['1', '2', '3']
     (motion,) = desk.queue.running
     assert [*motion.ends] == ['1', '2', '3']
     assert motion.id == '3'
@@ -99,24 +106,24 @@ def test_a_chain_that_cannot_run_through_is_done_one_by_one(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1, joint_blend_zone=0.05)
     desk.order(2, desk.start + 0.1, joint_blend_zone=0.05)  # goes nowhere: nothing runs through it
     desk.order(3, desk.start + 0.2)
-    assert [[command.id for command in planned.commands] for planned in desk.sent] == [['1'], ['2'], ['3']]
-    assert not desk.refused
+    assert [[*planned.ends] for planned in desk.sent] == [['1'], ['2'], ['3']]
+    assert not desk.refusals
 
 
 def test_what_stands_before_an_impossible_motion_of_a_chain_is_done(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1, joint_blend_zone=0.05)
     desk.order(2, desk.pose(9.0, 0.0, 0.0), LINE, blend_zone=0.01)
     desk.order(3, desk.start)
-    assert [planned.commands[-1].id for planned in desk.sent] == ['1']
-    assert 'reach' in desk.refused['2'].message
-    assert 'given up with motion 2 before it' in desk.refused['3'].message
+    assert [planned.id for planned in desk.sent] == ['1']
+    assert 'reach' in desk.refusals['2']
+    assert 'given up with motion 2 before it' in desk.refusals['3']
 
 
 def test_what_follows_a_failure_is_refused_and_what_comes_later_starts_anew(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1)
     desk.queue.ended('1', ok=False, at=2.5)
     desk.order(2, desk.start + 0.2)
-    assert 'given up with motion 1' in desk.refused['2'].message
+    assert 'given up with motion 1' in desk.refusals['2']
     desk.start = desk.start + 0.03
     desk.order(3, desk.start + 0.2)
     np.testing.assert_array_equal(desk.sent[-1].motion.trajectory.position[0], desk.start)
@@ -147,19 +154,16 @@ def test_a_failure_while_it_plans_makes_it_plan_anew(desk: Desk, planning: PathP
 def test_a_robot_that_does_not_stand_is_reported(planning: PathPlanning) -> None:
     desk = Desk(planning)
 
-    def moving() -> np.ndarray:
-        raise PlanningError('the robot is still moving')
-
-    desk.planner._standing = moving
+    desk.speed = 0.1
     desk.order(1, desk.start + 0.1)
-    assert 'still moving' in desk.refused['1'].message
+    assert 'still moving' in desk.refusals['1']
     assert not desk.sent
 
 
 def test_a_replacing_joint_motion_joins_the_running_one(desk: Desk) -> None:
     desk.planner.replace = True
     desk.order(1, desk.start + 0.5)
-    desk.path_time = 0.2
+    desk.pass_time(0.2)
     desk.order(2, desk.start - 0.2)
     first, second = desk.sent
     assert second.join_time == pytest.approx(0.2 + REPLACE_LEAD)
@@ -177,12 +181,12 @@ def test_what_cannot_replace_waits(desk: Desk, case: str) -> None:
     if case == 'two run':
         desk.order(2, desk.start)
     desk.planner.replace = True
-    desk.path_time = desk.sent[0].motion.duration - 0.01 if case == 'almost there' else 0.1
+    desk.pass_time(desk.sent[0].motion.duration - 0.01 if case == 'almost there' else 0.1)
     if case == 'line':
         desk.order(9, Pose(*desk.robot.direct_kinematics(desk.start)), LINE)
     else:
         desk.order(9, desk.start - 0.2)
-    assert desk.sent[-1].commands[0].id == '9'
+    assert desk.sent[-1].id == '9'
     assert desk.sent[-1].join_time == 0.0
     np.testing.assert_array_equal(
         desk.sent[-1].motion.trajectory.position[0], desk.sent[-2].motion.trajectory.position[-1]

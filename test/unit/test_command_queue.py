@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,14 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_planning import MotionSettings, Trajectory
-from robots_planning.commands.command_queue import (
-    WINDOW,
-    CommandChain,
-    CommandQueue,
-    QueuedCommand,
-    RunningMotion,
-)
+from robots_planning.commands.command_queue import WINDOW, CommandQueue
+from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
 from robots_planning.motion_kinds import JOINT
+from robots_planning.pathplanning import PlannedMotion
+from robots_planning.verification.trajectory_verification import VerificationReport
 
 STOPS, BLENDS = MotionSettings(), MotionSettings(blend_zone=0.01)
 JOINT_BLENDS = MotionSettings(joint_blend_zone=0.1)
@@ -29,11 +27,13 @@ def order(number: int, how: MotionSettings = STOPS, received: float | None = Non
     return QueuedCommand(str(number), JOINT, np.zeros(2), how, at)
 
 
-def running(*ids: str) -> RunningMotion:
+def running(*ids: str) -> MotionPlan:
     still = np.zeros((2, 2))
     ends = {id_: float(number) for number, id_ in enumerate(ids, 1)}
     end = ends[ids[-1]]
-    return RunningMotion(ids[-1], Trajectory(np.array([0.0, end]), still, still, still), ends, end)
+    trajectory = Trajectory(np.array([0.0, end]), still, still, still)
+    motion = PlannedMotion(trajectory, None, cast('VerificationReport', None))
+    return MotionPlan(ids[-1], motion, ends, '')
 
 
 @given(st.lists(st.sampled_from([STOPS, BLENDS, JOINT_BLENDS]), max_size=3 * WINDOW))
@@ -71,7 +71,7 @@ def test_a_motion_that_is_carried_on_leaves_its_last_commands_to_the_next_one() 
     for number in (1, 2, 3, 4):
         queue.hold(order(number))
     first, second = running('1', '2', '3'), running('3', '4')
-    queue.planned(replace(first, id='2', join_time=2.0), 0)
+    queue.planned(replace(first, id='2'), 0)
     queue.planned(second, 0)
     ended = queue.ended('2', ok=True, at=9.0)
     assert ended is not None

@@ -14,8 +14,8 @@ from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
 
 HEAVY = (210.0, 0.05, 0.0, 0.3, 8.0, 0.1, 0.0, 9.0, 0.2, 6.0)

@@ -9,8 +9,9 @@ import pytest
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_planning import MotionSettings, PathPlanning, Trajectory
-from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand
-from robots_planning.commands.motion_chain import ChainPlan, MotionChain
+from robots_planning.commands.command_queue import CommandQueue
+from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
 from robots_planning.motion_kinds import LINE
 from robots_planning.verification.trajectory_verification import JUMP_TOLERANCE
 
@@ -68,7 +69,7 @@ def commands(robot: BaseRobotModel, **how: object) -> list[QueuedCommand]:
     ]
 
 
-def in_windows(chain: MotionChain, queued: list[QueuedCommand], start: np.ndarray) -> list[ChainPlan]:
+def in_windows(chain: MotionChain, queued: list[QueuedCommand], start: np.ndarray) -> list[MotionPlan]:
     """The plans of commands that come one after the other."""
     queue, plans = CommandQueue(), []
     for command in queued:
@@ -80,13 +81,13 @@ def in_windows(chain: MotionChain, queued: list[QueuedCommand], start: np.ndarra
     return plans
 
 
-def joined(plans: list[ChainPlan]) -> Trajectory:
+def joined(plans: list[MotionPlan]) -> Trajectory:
     """What a robot does that follows each plan until the next one carries it on."""
     time, begin = [np.zeros(1)], 0.0
     rows = [[part[:1] for part in _rows(plans[0])]]
     for plan in plans:
         own = plan.motion.trajectory.time
-        until = own[-1] if plan.open_end is None else plan.open_end.time
+        until = plan.open_time
         part = slice(1, int(np.searchsorted(own, until)) + 1)
         time.append(begin + own[part])
         rows.append([row[part] for row in _rows(plan)])
@@ -94,7 +95,7 @@ def joined(plans: list[ChainPlan]) -> Trajectory:
     return Trajectory(np.concatenate(time), *(np.concatenate(parts) for parts in zip(*rows, strict=True)))
 
 
-def _rows(plan: ChainPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rows(plan: MotionPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     trajectory = plan.motion.trajectory
     return trajectory.position, trajectory.velocity, trajectory.acceleration
 

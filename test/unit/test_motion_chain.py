@@ -10,8 +10,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.timing.time_optimal import EXCESS

@@ -15,8 +15,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_planning import MotionSettings, PathPlanning
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, MOTION_KINDS, MotionKind
 from robots_planning.planner_choice import (
     ENTRY_POINT_GROUP,

@@ -16,8 +16,10 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.motion_planner import MotionPlanner, MotionPlannerPort
-from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.commands.command_planner import MotionPlannerPort
+from robots_planning.commands.motion_plan import MotionPlan
+from robots_planning.commands.motion_planner import MotionPlanner
+from robots_planning.pathplanning import PathPlanning
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.trajectory_generator import Target
 
@@ -90,20 +92,11 @@ class InProcessPlanner(PlannerPort, MotionPlannerPort):
         """Now: see `MotionPlannerPort`."""
         work()
 
-    def send(
-        self,
-        id_: str,
-        motion: PlannedMotion,
-        ends: Mapping[str, float],
-        *,
-        title: str,  # noqa: ARG002
-        join_time: float,
-    ) -> None:
+    def send(self, plan: MotionPlan) -> None:
         """See `MotionPlannerPort`."""
-        trajectory = motion.trajectory
-        self._log.planned(id_, ends, motion, join_time)
-        self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
-        self._mail.append(partial(self._cell.motion_planned, id_, ends, trajectory))
+        self._log.planned(plan)
+        self._control.follow(_as_in_message(plan.trajectory), plan.id, join_time=plan.join_time)
+        self._mail.append(partial(self._cell.motion_planned, plan.id, plan.ends, plan.trajectory))
 
     def answer(self, result: MotionResult) -> None:
         """See `MotionPlannerPort`."""

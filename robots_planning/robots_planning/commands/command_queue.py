@@ -4,107 +4,16 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Final
 
-from robots_planning.motion_kinds import MotionKind
+from robots_planning.commands.motion_plan import Blocked, CommandChain, MotionPlan, QueuedCommand
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.trajectory_generator import Target
 
 # Motions that are planned at once. In a longer chain the next plan continues from the middle of them; a
 # program has more than one and a half as many commands on their way.
 WINDOW: Final = 32
-
-
-@dataclass(frozen=True, eq=False)
-class QueuedCommand:
-    """A motion as it was commanded.
-
-    Attributes:
-        id: Its command.
-        kind: What kind of motion it is.
-        target: Joint positions (n,), a pose, or the poses of an arc or a spline.
-        settings: The modal settings of that instant.
-        received: When it came, s.
-        replans: How often it was led around an obstacle that came into its path.
-    """
-
-    id: str
-    kind: MotionKind
-    target: Target
-    settings: MotionSettings
-    received: float
-    replans: int = 0
-
-    @property
-    def may_replan(self) -> bool:
-        """It may be led around another obstacle."""
-        wanted = self.settings.replans and not self.kind.cartesian
-        return wanted and self.replans < self.settings.most_replans
-
-
-@dataclass(frozen=True, eq=False)
-class Blocked:
-    """Where an obstacle has stopped a motion.
-
-    Attributes:
-        trajectory: Its plan.
-        since: Where the robot stands on it, s.
-    """
-
-    trajectory: Trajectory
-    since: float
-
-
-@dataclass(frozen=True, eq=False)
-class CommandChain:
-    """Commands to plan.
-
-    Attributes:
-        commands: One or several that blend, in their order.
-        goes_on: More are there that the last one blends into; their plan continues from this one.
-        blocked: Where an obstacle has stopped the first one, to go on around it; None for a new one.
-    """
-
-    commands: tuple[QueuedCommand, ...]
-    goes_on: bool = False
-    blocked: Blocked | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class RunningMotion:
-    """A planned motion that has not ended.
-
-    Attributes:
-        id: The motion's: that of one of its commands.
-        trajectory: The plan.
-        ends: When each of its commands is done with, s of the plan, by id and in order: one or a chain of
-            blended ones.
-        join_time: When the next motion may carry it on, s of the plan; its duration where none does.
-    """
-
-    id: str
-    trajectory: Trajectory
-    ends: Mapping[str, float]
-    join_time: float
-
-    def passed(self, progress: float) -> Iterator[tuple[str, bool]]:
-        """Each command but the motion's own, and whether it was done with at that part of the plan."""
-        done = progress * self.trajectory.duration
-        for id_, end in self.ends.items():
-            if id_ != self.id:
-                yield id_, progress == 1.0 or end <= done
-
-    def left(self, progress: float) -> list[str]:
-        """Ids of the commands that are not done with at that part of the plan: its own always."""
-        done = {id_ for id_, passed in self.passed(progress) if passed}
-        return [id_ for id_ in self.ends if id_ not in done] or [self.id]
-
-    def without(self, ids: Mapping[str, float]) -> RunningMotion:
-        """The motion without commands that another one carries on."""
-        return replace(self, ends={id_: end for id_, end in self.ends.items() if id_ not in ids})
 
 
 class CommandQueue:
@@ -122,8 +31,8 @@ class CommandQueue:
         self._known: dict[str, QueuedCommand | None] = {}  # in their order; None for a given trajectory
         self._around: list[CommandChain] = []  # stopped by an obstacle, to be planned before all others
         self._stale: set[str] = set()  # planned again before the controller has answered them
-        self._running: dict[str, RunningMotion] = {}
-        self._given_up: dict[str, RunningMotion] = {}  # with one before them; the controller's answers come
+        self._running: dict[str, MotionPlan] = {}
+        self._given_up: dict[str, MotionPlan] = {}  # with one before them; the controller's answers come
         self._failed_at = -float('inf')
         self._failed = ''  # why all is void that came before
         self._failures = 0
@@ -174,7 +83,7 @@ class CommandQueue:
     # -- motions -------------------------------------------------------------------------------------
 
     @property
-    def running(self) -> tuple[RunningMotion, ...]:
+    def running(self) -> tuple[MotionPlan, ...]:
         """Planned motions that have not ended, oldest first."""
         with self._lock:
             return tuple(self._running.values())
@@ -185,7 +94,7 @@ class CommandQueue:
         with self._lock:
             return self._failures
 
-    def planned(self, motion: RunningMotion, failures: int) -> bool:
+    def planned(self, motion: MotionPlan, failures: int) -> bool:
         """Take a motion into the queue.
 
         Args:
@@ -204,13 +113,13 @@ class CommandQueue:
             self._running[motion.id] = motion
             return True
 
-    def replaced(self, motion: RunningMotion) -> None:
+    def replaced(self, motion: MotionPlan) -> None:
         """A motion continues in the place of this one: what follows starts at that one's end."""
         with self._lock:
             self._running.pop(motion.id, None)
             self._forget(motion.ends)
 
-    def ended(self, id_: str, *, ok: bool, at: float) -> RunningMotion | None:
+    def ended(self, id_: str, *, ok: bool, at: float) -> MotionPlan | None:
         """A motion has ended; returns it if it is one of these, or was given up with one of them.
 
         Args:

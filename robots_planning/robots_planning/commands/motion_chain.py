@@ -3,72 +3,25 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
+from robots_planning.commands.motion_plan import CommandChain, MotionPlan, OpenEnd, QueuedCommand
 from robots_planning.motion_kinds import LINE
-from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, tool_section
+from robots_planning.pathplanning import PathPlanning, in_base, tool_section
 from robots_planning.paths.blending import Measure, blend, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.time_optimal import TimeOptimalTiming
-from robots_planning.timing.timed_path import PathStart, Smoothing, TimedPath
+from robots_planning.timing.timed_path import PathStart, TimedPath
 from robots_planning.timing.tool_limits import PathLimits, chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
-
-
-@dataclass(frozen=True, eq=False)
-class OpenEnd:
-    """The part of a plan that the next one replaces: a stop for the case that nothing comes in time.
-
-    Attributes:
-        commands: Those in this part; it begins at the middle of the blend before them.
-        time: Its start, s of the plan.
-        state: Joint positions, velocities and accelerations there, (n,) each.
-        smoothing: Of the plan's time law.
-        before: The command before them, and its path.
-        paths: Of the commands.
-    """
-
-    commands: tuple[QueuedCommand, ...]
-    time: float
-    state: tuple[Array, Array, Array]
-    smoothing: Smoothing
-    before: tuple[QueuedCommand, JointPath]
-    paths: tuple[JointPath, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class ChainPlan:
-    """The plan of a chain, or of a single command.
-
-    Attributes:
-        commands: Those in it, in order.
-        motion: Their motion.
-        ends: When each is done with, s of it, by id and in order.
-        open_end: Where another plan may continue; None if none does.
-        join_time: Where it continues from another plan, s; see `MotionPlannerPort.send`.
-        stop: Why the chain stops before it, for a person; '' if it does not.
-    """
-
-    commands: tuple[QueuedCommand, ...]
-    motion: PlannedMotion
-    ends: Mapping[str, float]
-    open_end: OpenEnd | None = None
-    join_time: float = 0.0
-    stop: str = ''
-
-    @property
-    def id(self) -> str:
-        """The motion's own: that of the last command before another plan may continue."""
-        return self.commands[-1 if self.open_end is None else -1 - len(self.open_end.commands)].id
 
 
 class MotionChain:
@@ -90,7 +43,7 @@ class MotionChain:
     def __init__(self, planning: PathPlanning) -> None:
         self._robot, self._planning = planning.robot, planning
 
-    def plan(self, chain: CommandChain, q_start: Array) -> ChainPlan:
+    def plan(self, chain: CommandChain, q_start: Array) -> MotionPlan:
         """The plan of a chain from rest.
 
         Raises:
@@ -100,7 +53,7 @@ class MotionChain:
         if len(commands) == 1:
             only = commands[0]
             motion = self._planning.plan(only.kind, q_start, only.target, only.settings)
-            return ChainPlan(commands, motion, {only.id: motion.duration})
+            return MotionPlan(only.id, motion, {only.id: motion.duration}, only.kind.title)
         paths = self._paths(commands, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...], OpenEnd | None]] = []
         # A blend at a corner that leads almost straight back may permit no speed; then the chain stops there.
@@ -117,7 +70,7 @@ class MotionChain:
         trajectory, ends, open_end = min(plans, key=lambda plan: plan[0].duration)
         return self._checked(commands, trajectory, ends, open_end)
 
-    def continue_from(self, end: OpenEnd, chain: CommandChain) -> ChainPlan:
+    def continue_from(self, end: OpenEnd, chain: CommandChain) -> MotionPlan:
         """The plan of a chain that carries on the one before: from the start of its open end.
 
         Raises:
@@ -149,7 +102,7 @@ class MotionChain:
         ends: tuple[float, ...],
         open_end: OpenEnd | None,
         start_motion: tuple[Array, Array] | None = None,
-    ) -> ChainPlan:
+    ) -> MotionPlan:
         last, ends = commands[-1], (*ends, trajectory.duration)
         tools = [
             tool_section(command.kind, command.settings, end)
@@ -159,7 +112,9 @@ class MotionChain:
             trajectory, last.kind, last.settings, tools=tools, start_motion=start_motion
         )
         by_id = dict(zip((command.id for command in commands), ends, strict=True))
-        return ChainPlan(commands, motion, by_id, open_end)
+        own = last if open_end is None else commands[-1 - len(open_end.commands)]
+        title = ' + '.join(command.kind.title for command in commands)
+        return MotionPlan(own.id, motion, by_id, title, open_end)
 
     def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them has none to run through."""

@@ -3,87 +3,32 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from typing import Final, Protocol
-
-import numpy as np
+from typing import Final
 
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import PlanningError, RobotsError
+from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
-from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
-from robots_planning.commands.motion_chain import ChainPlan
+from robots_planning.commands.command_planner import (
+    HELD_UP,
+    REPLACE_LEAD,
+    CommandPlanner,
+    MotionPlannerPort,
+)
+from robots_planning.commands.command_queue import CommandQueue
+from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
 from robots_planning.commands.motion_results import BLOCKED, PASSED
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.pathplanning import PathPlanning
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.trajectory_generator import Target
 
 # A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
 # changes settings in between needs two questions and answers of busy processes for it.
 BLEND_PATIENCE: Final = 0.3  # s
-HELD_UP: Final = 'the planner was held up'
-REST_SPEED: Final = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
-
-
-class MotionPlannerPort(Protocol):
-    """What a transport provides to the planner."""
-
-    def time(self) -> float:
-        """Time, s, on the clock by which the controller stamps its results."""
-
-    def reference(self) -> tuple[Array, Array] | None:
-        """The controller's reference, position and velocity (n,) each; None before the first.
-
-        Raises:
-            RobotsError: the reference is not valid.
-        """
-
-    def controllers(self) -> frozenset[bytes]:
-        """Identities of the controllers, for a while also of a killed one; a new process has another."""
-        return frozenset()
-
-    def missed(self) -> bool:
-        """Whether the process was held up for so long that the others have given up what they had commanded.
-
-        True until its next sign of life.
-        """
-        return False
-
-    def submit(self, work: Callable[[], None]) -> None:
-        """Do work that takes long: now, or in the planner's thread, one after the other."""
-
-    def release_after(self, patience: float) -> None:  # noqa: ARG002
-        """Call `end_wait` after this time, s, counted from the last call of this."""
-        return
-
-    def send(
-        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
-    ) -> None:
-        """Send a motion to the controller.
-
-        Args:
-            id_: Its own: that of its last command before the next motion may carry it on.
-            motion: The plan.
-            ends: When each of its commands ends, s of the plan, by id and in order.
-            title: Its kinds, and why its chain stops before it, for a person.
-            join_time: Path time of the running motion at which it takes its place, s. Below 0 it carries the
-                last motion on, so long before that one's end; 0: after its end.
-        """
-
-    def answer(self, result: MotionResult) -> None:
-        """Send the result of a command that ends without a motion of its own."""
-
-    def refused(self, topic: str, error: RobotsError) -> None:  # noqa: ARG002
-        """Report a command that was refused."""
-        return
-
-    def finished(self, *, done: bool) -> None:
-        """All motions have reached their targets, or one was sent."""
 
 
 class MotionPlanner:
@@ -101,16 +46,11 @@ class MotionPlanner:
     def __init__(self, planning: PathPlanning, port: MotionPlannerPort) -> None:
         self.planning, self._port = planning, port
         self._queue = CommandQueue()
-        self._commands = CommandPlanner(
-            planning,
-            self._queue,
-            standing=self.standing,
-            path_time=self._path_time,
-            commit=self._commit,
-            send=self._send,
-            refuse=self._refuse,
-            give_up=self._fail,
-        )
+        self._commands = CommandPlanner(planning, self._queue, port)
+        self.standing = self._commands.standing
+        """See `CommandPlanner.standing`."""
+        self.refuse = self._commands.refuse
+        """See `CommandPlanner.refuse`."""
         self.settings = MotionSettings()
         """Hold for the commands that come from now on."""
         self.reference_pose: Pose | None = None
@@ -118,8 +58,6 @@ class MotionPlanner:
         self._triggered = False
         self._unplanned: deque[CommandChain] = deque()  # on their way to the thread that plans, or there
         self._planning_time = 0.0  # s, that the last plan took
-        self._progress = (0.0, 0.0)  # of the running motion, and when it was reported
-        self._controllers: frozenset[bytes] = frozenset()  # when the last motion was sent
 
     @property
     def moving(self) -> bool:
@@ -127,7 +65,7 @@ class MotionPlanner:
         return bool(self.motions)
 
     @property
-    def motions(self) -> tuple[RunningMotion, ...]:
+    def motions(self) -> tuple[MotionPlan, ...]:
         """Motions that were sent and have not ended, oldest first: the controller follows the first."""
         return self._queue.running
 
@@ -149,7 +87,7 @@ class MotionPlanner:
         Returns:
             False for a command that came before; it is ignored.
         """
-        if self.moving and self._controllers and self._controllers.isdisjoint(self._port.controllers()):
+        if self.moving and self._commands.controller_gone:
             self._queue.forget()  # the controller is gone, and its motions with it
         if self.holds(id_):
             return False
@@ -159,11 +97,6 @@ class MotionPlanner:
         if settings.blends:
             self._port.release_after(BLEND_PATIENCE)
         return True
-
-    def refuse(self, id_: str, kind: MotionKind, error: RobotsError) -> None:
-        """End a command that is not valid."""
-        self._port.refused(kind.topic, error)
-        self._port.answer(MotionResult.refused(id_, error))
 
     def configure(self, settings: MotionSettings) -> None:
         """Change the settings of the commands that follow.
@@ -189,14 +122,14 @@ class MotionPlanner:
     def _time_left(self) -> float:
         """How long commands may wait until the motion before them can only just be carried on, s."""
         running = self.motions
-        stops = bool(running) and running[-1].join_time == running[-1].trajectory.duration
+        stops = bool(running) and running[-1].open_end is None
         # Before a stop nothing is lost by waiting: a program sends more when its motions end.
         if self._unplanned or stops:
             return BLEND_PATIENCE
         if not running:
             return 0.0
-        done = self._path_time() if len(running) == 1 else 0.0
-        return running[-1].join_time - done - REPLACE_LEAD - BLEND_PATIENCE - self._planning_time
+        done = self._commands.path_time() if len(running) == 1 else 0.0
+        return running[-1].open_time - done - REPLACE_LEAD - BLEND_PATIENCE - self._planning_time
 
     def replace_motions(self, *, replace: bool) -> None:
         """Let joint motions replace the running motion, or follow it."""
@@ -223,16 +156,16 @@ class MotionPlanner:
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
         failures = self._queue.failures
         motion = self.planning.checked(trajectory(self.standing()), settings=self.settings)
-        running = RunningMotion(id_, motion.trajectory, {id_: motion.duration}, motion.duration)
-        if not self._commit(running, failures):
+        plan = MotionPlan(id_, motion, {id_: motion.duration}, 'a given trajectory')
+        if not self._commands.commit(plan, failures):
             raise PlanningError('it was given up while it was being planned; command it again')
-        self._follow(id_, motion, running.ends, 'a given trajectory', 0.0)
+        self._commands.send(plan)
 
     # -- the controller -------------------------------------------------------------------------------
 
     def progress(self, progress: float) -> None:
         """The controller has done this part of the running motion, 0..1."""
-        self._progress = (progress, self._port.time())
+        self._commands.progress(progress)
 
     def result(self, result: MotionResult, ended: float) -> bool:
         """A motion of the controller has ended.
@@ -253,7 +186,7 @@ class MotionPlanner:
         motion = self._queue.ended(result.id, ok=result.ok, at=ended)
         if motion is None:
             return False
-        self._progress = (0.0, self._port.time())  # of the one after it
+        self._commands.progress(0.0)  # of the one after it
         for id_, passed in motion.passed(progress):
             message = PASSED if passed else result.message
             self._port.answer(MotionResult(id_, passed, message, result.details, code=result.code))
@@ -270,15 +203,13 @@ class MotionPlanner:
         passed = self._queue.blocked(result.id, progress)
         if passed is None:
             return False
-        self._progress = (0.0, self._port.time())
+        self._commands.progress(0.0)
         for id_ in passed:
             self._port.answer(MotionResult(id_, ok=True, message=PASSED, details=result.details))
         self._port.submit(self._commands.go_around)
         return True
 
-    def _end_blocked(
-        self, motion: RunningMotion, result: MotionResult, progress: float, replans: int
-    ) -> None:
+    def _end_blocked(self, motion: MotionPlan, result: MotionResult, progress: float, replans: int) -> None:
         """Report the obstacles of a motion that does not go around it."""
         trajectory = motion.trajectory
         what = self.planning.obstacle_ahead(trajectory, progress * trajectory.duration)
@@ -313,27 +244,6 @@ class MotionPlanner:
         self._queue.give_up(reason, self._port.time() if until is None else until)
         self.release()
 
-    def standing(self) -> Array:
-        """Where the controller's reference stands, (n,).
-
-        Raises:
-            PlanningError: no reference came yet, or the robot moves; names the fastest axis.
-        """
-        reference = self._port.reference()
-        if reference is None:
-            raise PlanningError(
-                'no joint_reference received: is controller_node running and does the robot publish '
-                'joint_states?'
-            )
-        (q, q_dot), axes = reference, self.planning.robot.axes_data
-        fastest = int(np.argmax(np.abs(q_dot)))
-        if abs(q_dot[fastest]) > REST_SPEED:
-            raise PlanningError(
-                f'the robot is still moving: the reference of {axes.names[fastest]} has '
-                f'{q_dot[fastest]:.4g} {axes.unit(fastest)}/s; wait until it stands'
-            )
-        return q
-
     # -- inside ---------------------------------------------------------------------------------------
 
     def _plan(self, chain: CommandChain | None) -> None:
@@ -348,40 +258,3 @@ class MotionPlanner:
         finally:
             self._planning_time = self._port.time() - begin
             self._unplanned.popleft()
-
-    def _commit(self, motion: RunningMotion, failures: int) -> bool:
-        """Take a plan into the queue, see `CommandQueue.planned`, unless the process was held up just now."""
-        if self._port.missed():
-            self._queue.give_up(HELD_UP, self._port.time())
-        return self._queue.planned(motion, failures)
-
-    def _send(self, planned: ChainPlan) -> None:
-        title = ' + '.join(command.kind.title for command in planned.commands)
-        if planned.stop:
-            title += f' after a stop of its chain ({planned.stop})'
-        self._follow(planned.id, planned.motion, planned.ends, title, planned.join_time)
-
-    def _follow(
-        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float
-    ) -> None:
-        if len(self.motions) == 1:
-            self._progress = (0.0, self._port.time())
-        self._port.finished(done=False)
-        self._port.send(id_, motion, ends, title=title, join_time=join_time)
-        self._controllers = self._port.controllers()
-
-    def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
-        self._queue.refused(command.id)
-        self.refuse(command.id, command.kind, error)
-
-    def _fail(self, command: QueuedCommand, error: RobotsError) -> None:
-        self._queue.fail(command.id, self._port.time())
-        self._refuse(command, error)
-
-    def _path_time(self) -> float:
-        progress, reported = self._progress
-        running = self.motions
-        if not running:
-            return 0.0
-        # No override makes it faster than planned.
-        return progress * running[0].trajectory.duration + max(0.0, self._port.time() - reported)

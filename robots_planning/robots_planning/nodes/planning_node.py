@@ -1,6 +1,6 @@
 """planning_node: motion commands to verified joint trajectories."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any, Final
@@ -36,8 +36,8 @@ from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.validation import Array, fraction, one_of
+from robots_planning.commands.motion_plan import MotionPlan
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
-from robots_planning.commands.motion_results import plan_status
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import (
     DESCRIPTIONS,
@@ -57,7 +57,7 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
 from robots_planning.nodes.trajectory_messages import trajectory_message
-from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.pathplanning import PathPlanning
 from robots_planning.trajectory import Trajectory
 
 CHECK_PERIOD = 0.1  # s between checks for a first reference
@@ -300,17 +300,15 @@ class PlanningNode(RobotNode):
         self._patience.timer_period_ns = int(1e9 * patience)
         self._patience.reset()
 
-    def send(
-        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
-    ) -> None:
+    def send(self, plan: MotionPlan) -> None:
         """See `MotionPlannerPort`."""
-        self._plan_publisher.publish(BUILD.status(plan_status(id_, ends), self.robot_name))
+        self._plan_publisher.publish(BUILD.status(plan.status, self.robot_name))
         self._trajectory_publisher.publish(
-            trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
+            trajectory_message(plan.trajectory, self._names, id_stamp(plan.id), join_time=plan.join_time)
         )
-        limit = motion.report.limiting
+        limit = plan.motion.report.limiting
         self.journal.info(
-            f'{title} planned: {motion.duration:.3f} s, '
+            f'{plan.title} planned: {plan.motion.duration:.3f} s, '
             f'limited by {100.0 * limit.ratio:.0f} % of the {limit.quantity} of {limit.joint}'
         )
         self.ready()

@@ -19,8 +19,8 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.motion_plan import CommandChain, QueuedCommand
 from robots_planning.pathplanning import PathPlanning
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification.limit_use import LimitUse

@@ -37,9 +37,8 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.status import Level, Status
 from robots_core.validation import Array
-from robots_planning.commands.motion_results import plan_status
+from robots_planning.commands.motion_plan import MotionPlan
 from robots_planning.motion_settings import MotionSettings, settings_status
-from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
@@ -205,14 +204,14 @@ class CellLog(ProgramObserver):
         self._last_command = stamp - START
         self._write(command.kind.topic, command.message(BUILD, stamp, self._joints), stamp - START)
 
-    def planned(self, id_: str, ends: Mapping[str, float], motion: PlannedMotion, join_time: float) -> None:
-        """A plan goes to the controller; see `MotionPlannerPort.send`."""
-        self._motions.planned(ends, motion)
+    def planned(self, plan: MotionPlan) -> None:
+        """A plan goes to the controller."""
+        self._motions.planned(plan.ends, plan.motion)
         if self._bag is not None:
-            self.report('motion_plan', plan_status(id_, ends))
-            times, rows = motion.trajectory.points_of_message(join_time)
+            self.report('motion_plan', plan.status)
+            times, rows = plan.trajectory.points_of_message(plan.join_time)
             points = zip(times.tolist(), *rows, strict=True)
-            message = BUILD.joint_trajectory(_nanoseconds(id_), self._joints, points, BASE_FRAME)
+            message = BUILD.joint_trajectory(_nanoseconds(plan.id), self._joints, points, BASE_FRAME)
             self._write('joint_trajectory', message)
 
     def guided(self, message: GuidingMessage, type_name: str) -> None:
