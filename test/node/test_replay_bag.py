@@ -51,7 +51,8 @@ class Listener(Bench):
 
 
 def replay(*options: object) -> subprocess.Popen[str]:
-    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.bags.replay_bag', *map(str, options)]
+    module = 'robots_controller.commands.robots'
+    command = [sys.executable, '-P', '-m', module, 'replay_bag', *map(str, options)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 

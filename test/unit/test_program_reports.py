@@ -128,8 +128,8 @@ def test_ctrl_c_leaves_a_bag_and_a_report(tmp_path: Path):
         'while true do\n  for i = -1, 1, 2 do ptpJointSpaceAngles(20 * i, -90, 90, 0, 90, 0) end\nend'
     )
     bag, report = tmp_path / 'bag', tmp_path / 'report.html'
-    module = 'robots_controller.simulation.command_line'
-    command = [sys.executable, '-m', module, str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal']
+    module, options = 'robots_controller.commands.robots', ['--robot', 'kuka_kr210_r2700', '--drive', 'ideal']
+    command = [sys.executable, '-m', module, 'simulate', str(program), *options]
     process = subprocess.Popen([*command, '--bag', str(bag), '--report', str(report)], cwd=tmp_path)
     try:
         deadline = time.monotonic() + DEADLINE

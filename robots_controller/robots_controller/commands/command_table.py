@@ -63,7 +63,7 @@ LUA_META: Final = Command(
 LIST: Final = Command(
     'list',
     'lists the robots that are installed',
-    tool_arguments.list_arguments,
+    lambda _: None,  # it takes none
     'robots_controller.commands.robot_commands:list_robots',
     json=True,
 )

@@ -67,3 +67,7 @@ def _parser() -> CommandParser:
     for command in COMMANDS.values():
         command.add_all(commands.add_parser(command.name, help=command.what))
     return parser
+
+
+if __name__ == '__main__':
+    main()

@@ -103,10 +103,6 @@ def lua_meta_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot(parser, '--robot', 'robot for whose number of axes to write the help; any by default')
 
 
-def list_arguments(parser: argparse.ArgumentParser) -> None:
-    """The arguments of `robots list`."""
-
-
 def show_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `robots show`."""
     add_robot(parser, 'robot', 'name of a robot, or urdf:/path/to/robot.urdf')

@@ -11,7 +11,6 @@ from typing import Final
 
 from rich.console import Console
 
-from robots_controller.commands.command_table import LUA_META
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
@@ -141,7 +140,3 @@ def print_definitions(options: argparse.Namespace, _console: Console) -> int:
     """
     print(meta_file(load_robot_model(options.robot).num_axes if options.robot else None), end='')
     return ExitCode.OK
-
-
-if __name__ == '__main__':
-    LUA_META.main()

@@ -15,7 +15,7 @@ from robots_core.errors import BagError, NotNowError
 END_TIME: Final = 30.0  # s, to close a bag
 REPORT_TIME: Final = 300.0  # s
 METADATA: Final = 'metadata.yaml'
-REPORT: Final = 'robots_controller.report.command_line'
+ROBOTS: Final = 'robots_controller.commands.robots'
 
 
 class Recording:
@@ -98,7 +98,7 @@ class Recording:
         newest = max(bags, key=lambda bag: max(file.stat().st_mtime for file in bag.iterdir()))
         with tempfile.TemporaryDirectory() as temporary:
             page = Path(temporary) / 'report.html'
-            command = [sys.executable, '-m', REPORT, str(newest), '-o', str(page)]
+            command = [sys.executable, '-m', ROBOTS, 'report', str(newest), '-o', str(page)]
             command += ['--robot', self._robot, '--namespace', self._namespace]
             try:
                 made = subprocess.run(  # noqa: S603  # our own command

@@ -8,7 +8,6 @@ from dataclasses import asdict
 
 from rich.console import Console
 
-from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.commands.json_output import print_json
 from robots_controller.program.files.program_header import ProgramHeader, read_program_header
 from robots_controller.program_check.program_check import ProgramProblem, check_program, sizes_of
@@ -108,7 +107,3 @@ def _result(problems: int, bad: int, count: int) -> str:
     if not problems:
         return 'no findings'
     return _counted(problems, 'finding') + ('' if count == 1 else f' in {bad} of them')
-
-
-if __name__ == '__main__':
-    CHECK_PROGRAM.main()

@@ -5,7 +5,6 @@ from dataclasses import asdict
 
 from rich.console import Console
 
-from robots_controller.commands.command_table import CHECK_BAG
 from robots_controller.commands.json_output import print_json
 from robots_controller.recording.bag_comparison import compare_bags
 from robots_controller.recording.bag_file import read_bag
@@ -47,7 +46,3 @@ def check_bag(options: argparse.Namespace, console: Console) -> int:
     if options.junit:
         options.junit.write_text(comparison.junit(str(options.recorded)), encoding='utf-8')
     return ExitCode.OK if comparison.ok else ExitCode.FAILED
-
-
-if __name__ == '__main__':
-    CHECK_BAG.main()

@@ -4,7 +4,6 @@ import argparse
 
 from rich.console import Console
 
-from robots_controller.commands.command_table import REPORT
 from robots_controller.commands.json_output import print_json
 from robots_controller.report.comparison import compare_runs
 from robots_controller.report.page.comparison_page import comparison_page, show_comparison
@@ -39,7 +38,3 @@ def report(options: argparse.Namespace, console: Console) -> int:
         )
         console.print(f'page: {options.output}')
     return ExitCode.OK
-
-
-if __name__ == '__main__':
-    REPORT.main()

@@ -163,7 +163,3 @@ def _show(result: SimulationRun, options: argparse.Namespace, console: Console) 
     if result.interrupted:
         return ExitCode.INTERRUPTED
     return ExitCode.OK if report.ok else ExitCode.FAILED
-
-
-if __name__ == '__main__':
-    SIMULATE.main()

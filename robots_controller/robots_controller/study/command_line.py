@@ -7,7 +7,6 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from robots_controller.commands.command_table import STUDY
 from robots_controller.commands.json_output import print_json
 from robots_controller.study.run_case import FIGURES, Row
 from robots_controller.study.study_file import read_study
@@ -83,7 +82,3 @@ def _show(rows: list[Row], console: Console) -> None:
     failed = sum(not row['ok'] for row in rows)
     more = f', the first {MOST_ROWS} shown' if len(rows) > MOST_ROWS else ''
     console.print(f'{len(rows)} cases, {failed} failed{more}')
-
-
-if __name__ == '__main__':
-    STUDY.main()

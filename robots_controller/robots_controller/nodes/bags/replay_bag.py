@@ -6,7 +6,6 @@ import sys
 
 from rich.console import Console
 
-from robots_controller.commands.command_table import REPLAY_BAG
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
@@ -66,7 +65,3 @@ def _remap(text: str) -> tuple[str, str]:
     if not (old and separator and new):
         raise BagError(f'{text!r} is no remap; remaps are like /plc/inputs:=/press/inputs')
     return old, new
-
-
-if __name__ == '__main__':
-    REPLAY_BAG.main()
