@@ -125,11 +125,7 @@ def generate_launch_description() -> LaunchDescription:
             ),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=meaning)
-                for name, (default, meaning) in ARGUMENTS.items()
-            ),
-            *(
-                DeclareLaunchArgument(name, default_value=default, description=meaning)
-                for name, (default, meaning) in LAUNCH_ARGUMENTS.items()
+                for name, (default, meaning) in (ARGUMENTS | LAUNCH_ARGUMENTS).items()
             ),
             OpaqueFunction(function=nodes),
         ]

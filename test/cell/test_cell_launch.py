@@ -101,7 +101,7 @@ def launched(launch_file: dict[str, Any], **arguments: str) -> list[SimpleNamesp
 
 
 def without_launch(node: NodeDescription) -> dict[str, Any]:
-    parameters: dict[str, Any] = node.as_dict()['parameters']
+    parameters = dict(node.parameters)
     parameters.pop('launch', None)  # another one each time
     return parameters
 

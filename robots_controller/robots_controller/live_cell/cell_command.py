@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import signal
+from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -85,7 +86,7 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
             check_first(options.program, sizes)
     graph = cell_graph(options)
     if options.describe:
-        print(json.dumps([node.as_dict() for node in graph], indent=2))
+        print(json.dumps([asdict(node) for node in graph], indent=2))
         return ExitCode.OK
     # Loads the middleware, which a description does not need.
     from robots_controller.live_cell.cell_run import run_cell_alone  # noqa: PLC0415

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 from uuid import uuid4
@@ -67,10 +67,6 @@ class NodeDescription:
     def name(self) -> str:
         """The node's name."""
         return self.executable
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON: package, executable, process and parameters."""
-        return asdict(self)
 
     def executable_path(self) -> Path:
         """The executable as `ros2 run` finds it: prefix/lib/package/executable by the ament index.

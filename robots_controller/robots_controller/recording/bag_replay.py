@@ -6,7 +6,6 @@ from types import MappingProxyType
 
 from robots_controller.recording.bag_file import Bag, BagTopic
 from robots_core.errors import BagError
-from robots_core.validation import positive
 
 
 @dataclass(frozen=True)
@@ -48,12 +47,8 @@ def replay_plan(
         remaps: New names of topics.
 
     Raises:
-        RobotsError: a rate or start that is not valid, a topic that the bag does not have, two topics under
-            one name, or nothing left to publish.
+        RobotsError: a topic that the bag does not have, two topics under one name, or nothing to publish.
     """
-    positive(rate, 'rate')
-    if not start >= 0.0:
-        raise BagError(f'start = {start!r} s must be at least 0')
     for name in [*topics, *remaps]:
         if name not in bag.topics:
             raise BagError(

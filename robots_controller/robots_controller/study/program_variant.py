@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Final
 
 from robots_core.errors import InvalidInputError
+from robots_core.wording.nearest_name import did_you_mean
 
 Value = float | bool | str
 """What a parameter of a program can be."""
@@ -60,11 +60,10 @@ def _replaced(text: str, file: str, name: str, value: Value) -> str:
             start = found.start('values') + old.start()
             return f'{text[:start]}{_lua(value)}{text[start + len(old.group()) :]}'
     there = program_parameters(text)
-    close = get_close_matches(name, there, 1)
-    hint = f'did you mean {close[0]!r}?' if close else f'it has {", ".join(there) or "none"}'
+    hint = did_you_mean(name, there) or f'; it has {", ".join(there) or "none"}'
     raise InvalidInputError(
-        f'{file} has no parameter {name!r}: no line begins with `{name} = value` or `local {name} = value`; '
-        f'{hint}'
+        f'{file} has no parameter {name!r}: no line begins with `{name} = value` or '
+        f'`local {name} = value`{hint}'
     )
 
 
