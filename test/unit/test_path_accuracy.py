@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots_controller.report.deciding_limit import deciding_limit
+from robots_controller.report.motion_figures import deciding_limit
 from robots_controller.report.path_accuracy import distance_to_path
 
 TURN = np.linspace(0.0, 1.5 * np.pi, 2001)

@@ -20,9 +20,8 @@ from robots_controller.program.files.cell_frames import FRAMES_FILE, FrameKind
 from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program.files.taught_points import SUFFIX, TaughtPoint, read_points
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.recording.joint_rows import joint_rows
+from robots_controller.recording.joint_rows import joint_rows, recorded_robot
 from robots_controller.recording.message_rows import NANOSECONDS
-from robots_controller.recording.recorded_robot import recorded_robot
 from robots_controller.terminal_table import Columns, TerminalTable
 from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.blocks.calibration.payload_identification import identify_payload
@@ -206,12 +205,7 @@ def _pose_data(pose: Pose) -> dict[str, Any]:
 def recorded_motion(
     path: Path, *, robot: str = '', namespace: str = '/'
 ) -> tuple[BaseRobotModel, MotionSamples]:
-    """The robot and the motion of a bag.
-
-    Args:
-        path: Of the bag.
-        robot: Name of the robot; '' for the one that the bag names.
-        namespace: Of the recorded cell.
+    """The robot and the motion of a bag; see `recorded_robot`.
 
     Raises:
         RobotsError: it is no bag, names no robot, or has no torques.

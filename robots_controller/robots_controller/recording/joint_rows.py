@@ -1,4 +1,4 @@
-"""JointRows: the references or the feedback of a bag as arrays."""
+"""The robot of a bag, and its references or feedback as arrays."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 from robots_controller.recording.bag_file import Bag
 from robots_controller.recording.message_rows import NANOSECONDS, MessageRows, marks
 from robots_core.errors import InvalidInputError
+from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 STATE_FIELDS: Final = ('position', 'velocity', 'effort')
 POINT_FIELDS: Final = ('positions', 'velocities', 'accelerations')
+NAMING: Final = ('program_status', 'motion_result')
+"""Topics whose messages name the robot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,3 +140,19 @@ def joint_columns(names: Sequence[str], robot: BaseRobotModel, what: str) -> lis
             f'{what} lacks joint {missing[0]} of {robot.name}: it has {", ".join(names) or "none"}'
         )
     return [list(names).index(name) for name in robot.axes_data.names]
+
+
+def recorded_robot(bag: Bag, prefix: str, name: str = '') -> BaseRobotModel:
+    """The robot of a bag whose topics begin with `prefix`: the one that is named, or that the bag names.
+
+    Raises:
+        RobotsError: nothing names it, or it is unknown.
+    """
+    statuses = {} if name else bag.deserialized([prefix + topic for topic in NAMING])
+    named = (str(message.hardware_id) for found in statuses.values() for _, message in found)
+    name = name or next(filter(None, named), '')
+    if not name:
+        raise InvalidInputError(
+            f'{bag.path} does not say which robot it was recorded with; name it: --robot NAME'
+        )
+    return load_robot_model(name)

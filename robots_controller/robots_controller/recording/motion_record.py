@@ -194,13 +194,8 @@ def _on_plan(
 ) -> list[MotionRecord]:
     """Motions of one plan with their places there and in time.
 
-    Args:
-        chain: The motions.
-        plan: The plan.
-        ends: When each of them ends on it, s, by id.
-        done: Times (k,) s, and the parts of the plan that were done then.
-        measured: Duration by the controller, s.
-        before: The motion that runs through to the first one.
+    They end on it at `ends`, s by id; `done` are times (k,) s and the parts that were done then, `measured`
+    the duration by the controller, s, and `before` is the motion that runs through to the first one.
     """
     times, parts = done
     found: list[MotionRecord] = []
@@ -227,14 +222,7 @@ def _on_plan(
 
 
 def _progress_between(progress: Array, start: float, end: float, reached: float) -> tuple[Array, Array]:
-    """Times and done parts of a motion, those of its start and its end included.
-
-    Args:
-        progress: Time (s) and done part of the plan, (k, 2), of all motions.
-        start: Of this one, s.
-        end: Of this one, s.
-        reached: Its last done part.
-    """
+    """Times (s) and done parts of a motion from start to end, from those of all motions, (k, 2)."""
     times, parts = progress[slice(*np.searchsorted(progress[:, 0], (start, end)))].T
     begun = int(np.flatnonzero(np.diff(parts, prepend=1.0) < 0.0).max(initial=0))
     return (

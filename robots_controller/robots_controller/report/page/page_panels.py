@@ -124,35 +124,33 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
     rates, accelerations = ([f'{unit}{per}' for unit in units] for per in ('/s', '/s²'))
     forces = [FORCES[prismatic] for prismatic in axes.prismatic]
     none = np.zeros(axes.num_axes)
-    values = {
-        'Joint positions in their range': (q - middle) / half,
-        'Joint speeds': q_dot / axes.velocity,
-        'Joint accelerations of the reference': run.reference[2] / axes.acceleration,
-        f'Torques {"of the drives" if signals.measured else "by inverse dynamics"}': signals.torque
-        / axes.effort,
-    }
-    # What the legend shows at the limit, and at 0, and its units.
-    legends = (
-        (half * angle, middle * angle, units),
-        (axes.velocity * angle, none, rates),
-        (axes.acceleration * angle, none, accelerations),
-        (axes.effort, none, forces),
+    torques = f'Torques {"of the drives" if signals.measured else "by inverse dynamics"}'
+    # Title, shares of the limit, what the legend shows at the limit and at 0, and its units.
+    plots = (
+        ('Joint positions in their range', (q - middle) / half, half * angle, middle * angle, units),
+        ('Joint speeds', q_dot / axes.velocity, axes.velocity * angle, none, rates),
+        (
+            'Joint accelerations of the reference',
+            run.reference[2] / axes.acceleration,
+            axes.acceleration * angle,
+            none,
+            accelerations,
+        ),
+        (torques, signals.torque / axes.effort, axes.effort, none, forces),
     )
-    panels: list[dict[str, Any]] = []
-    for (title, shares), (full, offset, names) in zip(values.items(), legends, strict=True):
-        panels.append(
-            lines_panel(
-                title,
-                '% of limit' if panels else '% of range',
-                [(report, axes.names, 100.0 * shares)],
-                arrays,
-                show=list(zip((0.01 * full).tolist(), offset.tolist(), names, strict=True)),
-                marks=[-100.0, 100.0],
-                # Limits that are far away would press the curves flat.
-                range=[-100.0, 100.0] if np.abs(shares).max() > NEAR_LIMIT else None,
-            )
+    return [
+        lines_panel(
+            title,
+            '% of limit' if number else '% of range',
+            [(report, axes.names, 100.0 * shares)],
+            arrays,
+            show=list(zip((0.01 * full).tolist(), offset.tolist(), names, strict=True)),
+            marks=[-100.0, 100.0],
+            # Limits that are far away would press the curves flat.
+            range=[-100.0, 100.0] if np.abs(shares).max() > NEAR_LIMIT else None,
         )
-    return panels
+        for number, (title, shares, full, offset, names) in enumerate(plots)
+    ]
 
 
 def _panel(title: str, unit: str, kind: str, drawn: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
