@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from robots_core.errors import InvalidInputError
-from robots_core.ros.streams.joint_state_reader import JointStateReader
+from robots_core.ros.streams.serialized_readers import JointStateReader
 
 names_of_joints = st.lists(
     st.text(st.characters(exclude_characters='\0', codec='utf-8'), min_size=1, max_size=9),

@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
-from robots_core.ros.streams.joint_state_stream import JointStateStream
+from robots_core.ros.streams.serialized_streams import JointStateStream
 
 NAMES = ('A1', 'A2', 'A3')
 

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.errors import InvalidInputError
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.streams.reference_reader import ReferenceReader
+from robots_core.ros.streams.serialized_readers import ReferenceReader
 
 NAMES = ['a', 'b']
 PADDING = 4 + 8 + 4 + 1  # behind the encapsulation, the stamp, the length of frame_id and its end

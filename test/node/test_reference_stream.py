@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.periodic.resting_rate import RestingRate
-from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_streams import ReferenceStream
 
 
 @pytest.mark.parametrize('names', [('A1', 'A2', 'A3'), ('a',), tuple(f'joint_{i}' for i in range(7))])

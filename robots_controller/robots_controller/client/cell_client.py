@@ -25,8 +25,8 @@ from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerE
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.qos import make_publisher, subscribe
-from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.serialized_readers import JointStateReader
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, frame, frame_numbers

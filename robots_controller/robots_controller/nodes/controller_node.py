@@ -48,9 +48,9 @@ from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_readers import JointStateReader
+from robots_core.ros.streams.serialized_streams import ReferenceStream
 from robots_core.status import Status
 from robots_core.validation import Array, fraction
 from robots_core.wording.safety_note import NOT_CERTIFIED

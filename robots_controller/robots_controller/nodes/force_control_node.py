@@ -18,8 +18,8 @@ from robots_core.ros.messages import BUILD, twist_stamped_message, wrench_from_m
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.ros.streams.serialized_readers import JointStateReader
 from robots_core.status import Status
 from robots_core.validation import Array
 

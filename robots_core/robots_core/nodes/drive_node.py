@@ -28,9 +28,9 @@ from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.joint_state_stream import JointStateStream
 from robots_core.ros.streams.polled_subscription import Arrivals, PolledSubscription
-from robots_core.ros.streams.reference_reader import ReferenceReader
+from robots_core.ros.streams.serialized_readers import ReferenceReader
+from robots_core.ros.streams.serialized_streams import JointStateStream
 from robots_core.ros.timed_node import SELDOM
 from robots_core.validation import Array
 

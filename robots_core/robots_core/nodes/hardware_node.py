@@ -21,9 +21,8 @@ from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.joint_state_reader import JointStateReader
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.ros.streams.reference_reader import ReferenceReader
+from robots_core.ros.streams.serialized_readers import JointStateReader, ReferenceReader
 from robots_core.validation import Array
 
 

@@ -32,7 +32,7 @@ from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_streams import ReferenceStream
 from robots_core.validation import Array
 
 REPORT_PERIOD = 0.1  # s

@@ -16,7 +16,7 @@ from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_streams import ReferenceStream
 from robots_core.validation import Array
 from robots_planning.guidance.jogging import Jogging
 from robots_planning.guidance.teach_box import JOG_RATE, jog_axes

@@ -1,7 +1,7 @@
 """ControllerRest: the loop of controller_node sleeps while the robot holds its position."""
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_core.ros.streams.reference_stream import ReferenceStream
+from robots_core.ros.streams.serialized_streams import ReferenceStream
 
 
 class ControllerRest:

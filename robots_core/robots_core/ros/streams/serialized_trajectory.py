@@ -46,7 +46,7 @@ class SerializedTrajectory:
     def __init__(self, raw: bytes) -> None:
         self.raw: Final = raw
         try:
-            self._names, self._start = _head(raw)
+            self._names, self._start = read_head(raw)
             (self.num_points,) = COUNT.unpack_from(raw, self._start)
         except (struct.error, UnicodeDecodeError):  # of another byte order
             self._names, self._start = [], 0
@@ -97,9 +97,9 @@ def serialize_points(
     message = JointTrajectory(joint_names=list(names))
     message.header.stamp, message.header.frame_id = stamp, frame_id
     empty = serialize_message(message)
-    _, start = _head(empty)
+    _, start = read_head(empty)
     n, m = len(names), len(times)
-    layout, first = _layout(n), _first_position(start)
+    layout, first = _layout(n), first_number(start + 2 * COUNT.size)
     raw = bytearray(first + m * layout.itemsize)
     raw[:start] = empty[:start]
     COUNT.pack_into(raw, start, m)
@@ -112,8 +112,8 @@ def serialize_points(
     return bytes(raw[: -COUNT.size])  # the last point has no next one
 
 
-def _head(raw: bytes) -> tuple[list[str], int]:
-    """Names of the joints, and where the number of points is.
+def read_head(raw: bytes) -> tuple[list[str], int]:
+    """Names of the joints of a message that has them behind its header, and where what follows them is.
 
     Raises:
         struct.error: the message is of another byte order, or shorter than it says.
@@ -138,9 +138,8 @@ def _text(raw: bytes, at: int) -> tuple[str, int]:
     return raw[at : at + size - 1].decode(), at + size
 
 
-def _first_position(start: int) -> int:
-    """Where the positions of the first point are: numbers of 8 bytes are aligned behind the encapsulation."""
-    at = start + 2 * COUNT.size
+def first_number(at: int) -> int:
+    """Where the next number of 8 bytes is, which are aligned behind the encapsulation."""
     return at + (ENCAPSULATION_SIZE - at) % 8
 
 
@@ -166,7 +165,7 @@ def _layout(n: int) -> np.dtype[Any]:
 def _records(raw: bytes, start: int, m: int, n: int) -> NDArray[Any] | None:
     """The points, None if they are none of this layout."""
     layout = _layout(n)
-    first, end = _first_position(start), start + COUNT.size
+    first, end = first_number(start + 2 * COUNT.size), start + COUNT.size
     size = first + m * layout.itemsize - COUNT.size  # the last point has no next one
     if not start or m < 1 or n < 1 or len(raw) < size or COUNT.unpack_from(raw, end) != (n,):
         return None
