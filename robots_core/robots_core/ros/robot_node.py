@@ -24,8 +24,7 @@ from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import ENCAPSULATION_SIZE, LITTLE_ENDIAN, STAMP_END, diagnostic_status
 from robots_core.ros.peers.identified_messages import identify, publishers_are_identified
-from robots_core.ros.peers.presence import publishers_of
-from robots_core.ros.peers.publisher_names import PublisherNames, Sender
+from robots_core.ros.peers.presence import PublisherNames, Sender, publishers_of
 from robots_core.ros.qos import COMMAND, make_publisher
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode

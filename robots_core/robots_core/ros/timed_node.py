@@ -18,7 +18,7 @@ from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.timed_work import Loop, ScheduledLoop
 from robots_core.ros.running.clocks import on_clock_set
-from robots_core.ros.running.latched_guard_condition import LatchedGuardCondition
+from robots_core.ros.running.held_wait_set import LatchedGuardCondition
 
 OFTEN: Final = 0.04
 """s between two signs of life of a node whose loss others notice within `watchdog`."""

@@ -11,7 +11,7 @@ from robots_core.ros.messages import NANOSECONDS, diagnostic_values, number_in
 from robots_core.ros.peers.commander_watch import NODES, PENDANT_LOST_AFTER, CommanderWatch
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
-from robots_core.ros.peers.publisher_names import Sender
+from robots_core.ros.peers.presence import Sender
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.commands.motion_planner import MotionPlanner

@@ -30,8 +30,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
-from robots_core.ros.peers.presence import publishers_of
-from robots_core.ros.peers.publisher_names import Sender
+from robots_core.ros.peers.presence import Sender, publishers_of
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run

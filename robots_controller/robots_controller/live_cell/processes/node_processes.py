@@ -22,7 +22,7 @@ from setproctitle import setproctitle
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.live_cell.node_types import node_type
 from robots_controller.live_cell.processes import fork_server
-from robots_core.ros.running.loading import end_at_once_while_loading
+from robots_core.ros.running.interrupt import end_at_once_while_loading
 from robots_core.ros.running.run import run_nodes
 
 # How long a process may take after each signal before the next, harder one, s.

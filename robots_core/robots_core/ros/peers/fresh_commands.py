@@ -4,7 +4,7 @@ import time
 
 from robots_core.errors import NotNowError
 from robots_core.periodic.realtime import processor_share_in_silence
-from robots_core.ros.peers.publisher_names import Sender
+from robots_core.ros.peers.presence import Sender
 from robots_core.ros.timed_node import TimedNode
 
 

@@ -3,14 +3,20 @@
 import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import UInt64
 
+from robots_core.errors import NotNowError
 from robots_core.periodic.periodic_thread import PeriodicThread
 from robots_core.periodic.realtime import processor_share
 from robots_core.periodic.watchdog import CHECKS, LONGEST, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
+from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
+from robots_core.ros.peers.identified_messages import IdentifiedMessages, publishers_are_identified
+from robots_core.ros.peers.presence import publishers_of
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -22,6 +28,9 @@ MOST_CHECKS: Final = 8 * CHECKS
 """Looks within the timeout at a node that is about to be lost."""
 LONGEST_BETWEEN_CHECKS: Final = 0.2
 """s. A process that dies is not replaced sooner: the signs of life of both are seen."""
+NAMESAKE_PERIOD: Final = 0.2  # s
+NAMESAKE_BEATS: Final = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Those of two nodes with one name in a period, and of some before."""
 
 
 class Heartbeat:
@@ -143,6 +152,45 @@ class HeartbeatWatch:
         if period != self._timer.timer_period_ns:
             self._timer.timer_period_ns = period
             self._timer.reset()
+
+
+class NamesakeWatch:
+    """Ends the later one of two nodes with one name, by the numbers of their heartbeats.
+
+    A dead node sends none, so one that is started after it stays. Only publishers of a node with the same
+    full name count, and only where the middleware identifies publishers.
+
+    Args:
+        node: The node.
+        heartbeat: Its own.
+    """
+
+    def __init__(self, node: TimedNode, heartbeat: Heartbeat) -> None:
+        self._node, self._began = node, heartbeat.began
+        if not publishers_are_identified():
+            return
+        topic = f'{node.get_name()}/{HEARTBEAT}'
+        subscription = node.create_subscription(
+            UInt64, topic, lambda _: None, NAMESAKE_BEATS, callback_group=NeverExecuted()
+        )
+        self._beats = IdentifiedMessages(subscription)
+        self._publishers = partial(publishers_of, node, topic)
+        node.create_timer(NAMESAKE_PERIOD, self._check)
+
+    def _check(self) -> None:
+        earlier: set[bytes] = set()
+        while (taken := self._beats.take()) is not None:
+            beat, publisher = taken
+            if beat.data < self._began:
+                earlier.add(publisher)
+        if not earlier:
+            return
+        name, publishers = self._node.get_fully_qualified_name(), self._publishers()
+        if any(publishers.get(publisher) == name for publisher in earlier):
+            raise NotNowError(
+                f'{name} runs already; a second one would command the same robot. End the first one, or give '
+                'this one another namespace'
+            )
 
 
 def _newest(beats: PolledSubscription) -> tuple[bytes | None, float | None]:

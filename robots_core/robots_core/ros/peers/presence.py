@@ -4,13 +4,18 @@ The middleware finds nodes, and misses those that are gone, in its own time. In 
 count: all were found before the run began, and none may leave it.
 """
 
-from collections.abc import Mapping
-from typing import Any
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
 
 from robots_core.ros.lockstep.protocol import Kind
 from robots_core.ros.timed_node import TimedNode
 
-UNKNOWN_NODE = '_NODE_NAME_UNKNOWN_'
+UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
+UNKNOWN: Final = 'an unknown node'
+PATIENCE: Final = 0.1  # s: a message may come before the name of its publisher's node
+CHECK_PERIOD: Final = 0.005  # s
 
 
 def publishers_of(node: TimedNode, topic: str) -> Mapping[bytes, str]:
@@ -51,3 +56,40 @@ def _names(found: Any) -> dict[bytes, str]:
         for one in found
         if one.node_name != UNKNOWN_NODE
     }
+
+
+@dataclass(frozen=True)
+class Sender:
+    """Where a message comes from.
+
+    Attributes:
+        name: The node's full name; '' where the middleware does not identify publishers, and in lock-step.
+        time: When it was sent, ns on the clock of the sender's system; 0 where that is not known.
+    """
+
+    name: str = ''
+    time: int = 0
+
+
+class PublisherNames:
+    """Looks up by a publisher's identity which node it belongs to.
+
+    Args:
+        publishers: Full node names by identity, of all publishers that are known.
+    """
+
+    def __init__(self, publishers: Callable[[], Mapping[bytes, str]]) -> None:
+        self._publishers = publishers
+        self._names: dict[bytes, str] = {}
+
+    def name(self, identity: bytes) -> str:
+        """The node's full name; for the first message of a publisher this may take `PATIENCE`."""
+        deadline = time.monotonic() + PATIENCE
+        while identity not in self._names:
+            self._names = dict(self._publishers())
+            if identity in self._names:
+                break
+            if time.monotonic() >= deadline:
+                return UNKNOWN
+            time.sleep(CHECK_PERIOD)
+        return self._names[identity]

@@ -7,15 +7,39 @@ from typing import Any, Final
 
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
+from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.waitable import NumberOfEntities
-
-from robots_core.ros.running.latched_guard_condition import LatchedGuardCondition
 
 # In the order in which `WaitSet` takes their numbers, and in which it returns them.
 KINDS: Final = ('subscription', 'guard_condition', 'timer', 'client', 'service')
 # ns; a message takes 20 us of the processor, with the events of 20 subscriptions in each wait 47 us.
 EVENT_PERIOD: Final = 100_000_000
+
+
+class LatchedGuardCondition(GuardCondition):
+    """Keeps that it was triggered until an executor takes it.
+
+    With Fast DDS, a wait that ends resets all guard conditions after it has checked each of them: one that
+    is triggered in between has never been triggered (ros2/rmw_fastrtps#895). As such a wait ends anyway,
+    `LeanExecutor` takes what was triggered from here.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)  # type: ignore[no-untyped-call]
+        self._triggered = False
+
+    def trigger(self) -> None:
+        """As `GuardCondition.trigger`; from any thread."""
+        self._triggered = True
+        super().trigger()  # type: ignore[no-untyped-call]
+
+    def take(self) -> bool:
+        """It was triggered since the last call."""
+        if not self._triggered:
+            return False
+        self._triggered = False
+        return True
 
 
 class HeldWaitSet:

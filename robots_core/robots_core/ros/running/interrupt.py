@@ -1,8 +1,10 @@
 """Interrupt: Ctrl-C and terminate as an event that is asked for, not an exception out of nowhere."""
 
 import contextlib
+import os
 import signal
 import socket
+import sys
 import threading
 from collections.abc import Callable, Iterator
 
@@ -46,3 +48,15 @@ def interrupt(wake: Callable[[], None]) -> Iterator[threading.Event]:
         watcher.join()
         reader.close()
         writer.close()
+
+
+def end_at_once_while_loading() -> None:
+    """Let Ctrl-C and terminate end the process of a node, which has done nothing yet, without a word.
+
+    Python's own way, an exception, is lost in imports that are tried with `except BaseException`, as trimesh
+    tries many: the node would continue without the import and without having been interrupted. `run` has the
+    signals from when it is called. Processes of other names, such as `cell`, are left alone.
+    """
+    if sys.argv[0].endswith(('_node', '_nodes')):
+        for number in STOP_SIGNALS:
+            signal.signal(number, lambda *_: os._exit(0))

@@ -17,8 +17,7 @@ from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.process_end import end_quickly
 from robots_core.ros.lockstep.lead import Lead
-from robots_core.ros.peers.heartbeat import Heartbeat
-from robots_core.ros.peers.namesake_watch import NamesakeWatch
+from robots_core.ros.peers.heartbeat import Heartbeat, NamesakeWatch
 from robots_core.ros.running.bounded_end import STDERR, bounded_end
 from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
 from robots_core.ros.running.interrupt import interrupt
