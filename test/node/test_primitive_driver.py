@@ -144,7 +144,7 @@ def test_the_end_of_the_node_cancels_the_goal(ros_nodes: Any, control_msgs: None
     bench = DrivenBench(ros_nodes, tmp_path, ExecuteMotionPrimitiveSequence)
     bench.start(MOVE)
     bench.until_goal()
-    bench.wait(lambda: bench.node._ports.planner._driver._handle, 'that the goal is accepted')
+    bench.wait(lambda: bench.node._motions.planner._driver._handle, 'that the goal is accepted')
     ros_nodes.destroy(bench.node)
     bench.wait(lambda: bench.driver.canceled, 'the cancellation')
 

@@ -185,7 +185,7 @@ def test_a_program_whose_robot_stands_fails_when_a_node_that_moves_it_is_lost(
 ):
     bench = LuaBench(ros_nodes, tmp_path, watchdog=1.0)
     heartbeat = Heartbeat(ros_nodes.add(TimedNode(name, context=ros_nodes.context)))
-    bench.wait(lambda: name not in bench.node.watch.unseen, 'its heartbeat')
+    bench.wait(lambda: name not in bench.node._motions.watch.unseen, 'its heartbeat')
     bench.start('setDigitalOutput(2, 1) wait(1000)')
     bench.wait(lambda: bench.digital and bench.digital[-1][1] == 1, 'the output')
     heartbeat.stop()
@@ -197,7 +197,7 @@ def test_a_program_whose_robot_stands_fails_when_a_node_that_moves_it_is_lost(
 def test_outputs_of_no_program_are_safe_when_the_controller_is_lost(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path, watchdog=1.0, outputs=['digital_output.2=1'])
     heartbeat = Heartbeat(ros_nodes.add(TimedNode('controller_node', context=ros_nodes.context)))
-    bench.wait(lambda: 'controller_node' not in bench.node.watch.unseen, 'its heartbeat')
+    bench.wait(lambda: 'controller_node' not in bench.node._motions.watch.unseen, 'its heartbeat')
     bench.wait(lambda: bench.digital and bench.digital[-1][1] == 1, 'the output')
     heartbeat.stop()
     bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')

@@ -3,78 +3,12 @@
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from trajectory_msgs.msg import JointTrajectory
-
-from robots_controller.nodes.ports.program.controller_client import ControllerClient
-from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.runtime_folder import first_time
 from robots_core.errors import RobotsError
-from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
 PERIOD: Final = 0.1  # s
 REPORT_PERIOD: Final = 5.0  # s
-NEEDED: Final = ('planning_node', 'controller_node')
-
-
-class MotionReadiness:
-    """Whether planner and controller can move the robot.
-
-    Args:
-        node: The program's node.
-        planner: Sends motions.
-        controller: Sends requests to the controller.
-        expected: Further nodes that have to be there. With any, the controller has to report that it is
-            ready, as it does after their first signs of life.
-    """
-
-    def __init__(
-        self,
-        node: RobotNode,
-        planner: PlannerClient,
-        controller: ControllerClient,
-        expected: Sequence[str] = (),
-    ) -> None:
-        self._node, self._planner, self._controller = node, planner, controller
-        self._expected = expected
-        self._controller_works = False
-        self._troubles: dict[str, str] = {}
-        self._subscriptions = [
-            subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
-            subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
-        ]
-
-    def _on_reference(self, _: JointTrajectory) -> None:
-        # A motion is planned from the reference: without one it would be refused.
-        self._controller_works = True
-
-    def _on_health(self, message: DiagnosticArray) -> None:
-        prefix = self._node.get_namespace().rstrip('/') + '/'
-        for status in message.status:
-            name = status.name.removeprefix(prefix)
-            if name in NEEDED:
-                well = status.level == DiagnosticStatus.OK
-                self._troubles[name] = '' if well else f'{name} ({status.message})'
-            elif name in self._expected:
-                self._troubles[name] = ''
-
-    def missing(self) -> list[str]:
-        """What motions need and is not there, for people."""
-        planner = self._planner
-        reported = not self._expected or 'controller_node' in self._troubles
-        present = {
-            'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
-            'controller_node': self._controller_works and self._controller.works and reported,
-            **{name: name in self._troubles for name in self._expected},
-        }
-        missing = [name for name, there in present.items() if not there]
-        return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
-
-    def close(self) -> None:
-        """Listen no longer."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
 
 
 class Readiness(Protocol):

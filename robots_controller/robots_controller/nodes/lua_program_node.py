@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
-from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_changed
 from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.cell.ports import ProgramObserver
 from robots_controller.cell.program_host import ProgramHost
@@ -23,30 +22,23 @@ from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.io.io_signals import LARGEST_INDEX
-from robots_controller.nodes.autostart import Autostart, MotionReadiness
+from robots_controller.nodes.autostart import Autostart
 from robots_controller.nodes.io_services import IoServices
-from robots_controller.nodes.ports.program.controller_client import ControllerClient
 from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
 from robots_controller.nodes.ports.program.lockstep_turns import LockstepTurns
-from robots_controller.nodes.ports.program.motion_ports import MotionPorts
-from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
-from robots_controller.nodes.ports.program.planner_client import PlannerClient
 from robots_controller.nodes.ports.program.program_clock import ProgramClock
+from robots_controller.nodes.ports.program.suite_motions import SuiteMotions
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_controller.program.motions import path_switches
 from robots_controller.program.motions.motion_command import OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.ros.messages import (
-    BUILD,
-    motion_result_from_message,
-)
+from robots_core.ros.messages import BUILD
 from robots_core.ros.peers.fresh_commands import FreshCommands
-from robots_core.ros.peers.heartbeat import HeartbeatWatch, watchdog_parameter
-from robots_core.ros.qos import make_publisher, subscribe
+from robots_core.ros.peers.heartbeat import watchdog_parameter
+from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run
 from robots_core.status import Status
@@ -106,14 +98,15 @@ class LuaProgramNode(RobotNode, ProgramObserver):
         self._feedback = FeedbackClient(self, axes.names)
         self._watchdog = watchdog_parameter(self)
         self._fresh = FreshCommands(self, self._watchdog)
-        self._ports = ports = self._suite() if driver is None else self._driven(driver)
+        motions = SuiteMotions(self, self._fresh.missed) if driver is None else self._driven(driver)
+        self._motions: SuiteMotions | PrimitiveAction = motions
         self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
             self.robot,
             clock=ProgramClock(self) if self._turns is None else self._turns.clock,
             robot_port=self,
-            planner=ports.planner,
-            controller=ports.controller,
+            planner=motions.planner,
+            controller=motions.controller,
             observer=self,
             **sizes,
             io_labels=labels,
@@ -143,7 +136,7 @@ class LuaProgramNode(RobotNode, ProgramObserver):
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        ports.report()
+        motions.report_to(self.host, self._changed, self._watchdog)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._status_due = self.create_guard_condition(self._status_timer.reset)
         self._io = IoServices(self, self._program.io, self._on_inputs, channel_services=channel_services)
@@ -170,36 +163,14 @@ class LuaProgramNode(RobotNode, ProgramObserver):
         self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = self._serve_editors(port, token) if port else None
-        Autostart(self, ports.readiness, self._start)
+        Autostart(self, motions.readiness, self._start)
         self.ready()
 
-    def _suite(self) -> MotionPorts:
-        """The robot moves by planning_node and controller_node."""
-        planner = PlannerClient(self, self.robot.axes_data.names, self._fresh.missed)
-        controller = ControllerClient(self)
-
-        def report() -> None:
-            path_switches.warm_up(self.robot.direct_kinematics, self.robot.home)
-            PathSwitchingMessages(self, self.host.switching, self.robot.axes_data.names)
-            subscribe(self, DiagnosticStatus, 'motion_result', self._on_motion_result)
-            controller.report_to(self.host, self._changed)
-            changed = partial(watched_node_changed, self.host)
-            self.watch = HeartbeatWatch(self, WATCHED_NODES, self._watchdog, changed)
-
-        readiness = partial(MotionReadiness, self, planner, controller)
-        return MotionPorts(planner, controller, report, readiness)
-
-    def _driven(self, driver: Driver) -> MotionPorts:
-        """The robot's own controller moves it."""
+    def _driven(self, driver: Driver) -> PrimitiveAction:
         # Imported on demand: it loads the planners, which no other robot needs in this process.
         module = import_module('robots_controller.nodes.ports.program.primitive_action')
         action: PrimitiveAction = module.PrimitiveAction(self, driver, self._feedback, self._fresh.missed)
-
-        def report() -> None:
-            action.report_to(self.host)
-
-        motions = action.motions
-        return MotionPorts(motions, action.control, report, lambda _: action, action.end, motions.check_guide)
+        return action
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
@@ -294,10 +265,6 @@ class LuaProgramNode(RobotNode, ProgramObserver):
         else:
             self.refuse(topic, error)
 
-    def _on_motion_result(self, message: DiagnosticStatus) -> None:
-        self.host.motions.result(motion_result_from_message(message))
-        self._changed()
-
     def held_up(self, silence: float) -> None:
         """The others have missed this node: its outputs have been made safe, and the robot was stopped."""
         if self._fresh.held_up(silence):
@@ -311,7 +278,7 @@ class LuaProgramNode(RobotNode, ProgramObserver):
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
-        self._ports.check_guide(guide)
+        self._motions.check_guide(guide)
         self._guide_publisher.publish(String(data=guide.value))
 
     # -- what the program does, from any thread -------------------------------------------------------
@@ -379,7 +346,7 @@ class LuaProgramNode(RobotNode, ProgramObserver):
         self._program.join(JOIN_TIMEOUT)
         self.host.make_outputs_safe()
         if self.context.ok():
-            self._ports.end()
+            self._motions.end()
             self._io.finish()
         # ROS drops the name of a logger with it, and a later node in this process may have the same name.
         self._print_logger = self.journal

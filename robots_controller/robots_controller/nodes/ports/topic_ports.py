@@ -1,21 +1,26 @@
 """Topics as ports of an I/O map: a field each of a message."""
 
 import math
+import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 
 from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
-from robots_controller.io.bridge.topic_field import TopicField
+from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.io_map import IoRow, check_bit
-from robots_controller.nodes.ports.message_types import make_room, number_type
+from robots_controller.io.number_kinds import INTEGERS
 from robots_core.errors import InvalidInputError
 from robots_core.ros.message_class import message_class
 from robots_core.ros.qos import rclpy_profile
 from robots_core.ros.robot_node import RobotNode
+
+_ARRAY: Final = re.compile(r'sequence<(?P<listed>[^,]+)(, \d+)?>|(?P<fixed>[^\[]+)\[\d+\]')
+NUMBERS: Final = ('boolean', 'float', 'double', *INTEGERS)
+_ZEROS: Final[dict[str, Any]] = {'boolean': False, 'float': 0.0, 'double': 0.0, 'string': ''}
 
 
 class _Topic(IoPort):
@@ -39,9 +44,6 @@ class InputTopic(_Topic):
         node: Owner of the subscription.
         rows: Those of the topic.
         on_arrival: Called after each message.
-
-    Raises:
-        InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
     """
 
     def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]], on_arrival: Any) -> None:
@@ -77,9 +79,6 @@ class OutputTopic(_Topic):
     Args:
         node: Owner of the publisher.
         rows: Those of the topic.
-
-    Raises:
-        InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
     """
 
     def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]]) -> None:
@@ -139,3 +138,68 @@ def _kind(row: IoRow, place: TopicField) -> str:
     except InvalidInputError as error:
         raise row.error(error.message) from None
     return found
+
+
+def number_type(kind: Any, path: FieldPath) -> str:
+    """Type of the number at a path, one of `NUMBERS`.
+
+    Raises:
+        InvalidInputError: the message has no such field, or it is no number.
+    """
+    current = ''
+    for depth, step in enumerate(path.steps):
+        where = path.up_to(depth) or 'the message'
+        if isinstance(step, int):
+            element = _element(current)
+            if not element:
+                raise InvalidInputError(f'{where} is {current!r} and no array, which {path.text} needs')
+            current = element
+        else:
+            fields = {} if depth and '/' not in current else _fields(current, kind)
+            if step not in fields:
+                names = f'; its fields are {", ".join(fields)}' if fields else ''
+                raise InvalidInputError(f'{where} has no field {step!r}, which {path.text} needs{names}')
+            current = fields[step]
+    if current not in NUMBERS:
+        hint = f'; an element of it is {path.text}[0]' if _element(current) else ''
+        raise InvalidInputError(f'{path.text} is {current!r}; needed is a number or a bool{hint}')
+    return current
+
+
+def make_room(message: Any, path: FieldPath) -> None:
+    """Lengthen the arrays of a message until a path leads somewhere; its type was checked.
+
+    Raises:
+        InvalidInputError: an array of fixed length is too short.
+    """
+    holder, current = message, ''
+    for depth, step in enumerate(path.steps):
+        if isinstance(step, int):
+            element = _element(current)
+            while len(holder) <= step:
+                if not current.startswith('sequence<'):
+                    raise InvalidInputError(
+                        f'{path.up_to(depth)} has {len(holder)} elements; {path.text} needs {step + 1}'
+                    )
+                zero = message_class(_full(element))() if '/' in element else _ZEROS.get(element, 0)
+                holder.append(zero)
+            holder, current = holder[step], element
+        else:
+            current = _fields(current, type(message))[step]
+            holder = getattr(holder, step)
+
+
+def _element(kind: str) -> str:
+    match = _ARRAY.fullmatch(kind)
+    return (match['listed'] or match['fixed']) if match else ''
+
+
+def _full(kind: str) -> str:
+    package, _, name = kind.rpartition('/')
+    return f'{package.removesuffix("/msg")}/msg/{name}'
+
+
+def _fields(kind: str, outermost: Any) -> dict[str, str]:
+    found = message_class(_full(kind)) if kind else outermost
+    fields: dict[str, str] = found.get_fields_and_field_types()
+    return fields

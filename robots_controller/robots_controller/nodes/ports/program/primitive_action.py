@@ -58,15 +58,16 @@ class PrimitiveAction:
         self._handle: Any = None  # of the newest goal, while it runs
         self._canceling = False
         self._watch = GoalWatch(self.name)
-        self.motions = PrimitiveMotions(node.robot, self, self._measured)
-        self.control = PrimitiveControl(self.motions)
-        self._due = node.create_guard_condition(self.motions.step)
+        self.planner = PrimitiveMotions(node.robot, self, self._measured)
+        self.controller = PrimitiveControl(self.planner)
+        self.check_guide = self.planner.check_guide
+        self._due = node.create_guard_condition(self.planner.step)
         node.create_timer(CHECK_PERIOD, self._check)
         self._running_topic = driver.running
 
-    def report_to(self, host: ProgramHost) -> None:
-        """Report to a program's host."""
-        self.motions.on_result, self.motions.switching = host.motions.result, host.switching
+    def report_to(self, host: ProgramHost, _changed: Callable[[], None], _watchdog: float) -> None:
+        """See `SuiteMotions`."""
+        self.planner.on_result, self.planner.switching = host.motions.result, host.switching
         if self._running_topic:
             host.permission.remedy = f'programs run again when {self._running_topic} is true'
             subscribe_any_state(
@@ -75,6 +76,10 @@ class PrimitiveAction:
                 self._running_topic,
                 lambda message: host.stop_changed('' if message.data else STOPPED),
             )
+
+    def readiness(self, _expected: Sequence[str]) -> PrimitiveAction:
+        """See `SuiteMotions`."""
+        return self
 
     def missing(self) -> list[str]:
         """What motions need and is not there, for people."""
@@ -131,7 +136,7 @@ class PrimitiveAction:
         return None if newest is None else newest.position
 
     def _check(self) -> None:
-        self.motions.check(self._node.now())
+        self.planner.check(self._node.now())
         if problem := self._watch.problem(self._node.now(), served=self.served):
             self._fail(problem)
 
@@ -152,7 +157,7 @@ class PrimitiveAction:
 
     def _advanced(self, number: int, message: Any) -> None:
         if number == self._number and self._handle is not None:
-            self.motions.advanced(message.feedback.current_primitive_index)
+            self.planner.advanced(message.feedback.current_primitive_index)
 
     def _ended(self, number: int, future: Future) -> None:
         if number != self._number or self._handle is None:
@@ -162,12 +167,12 @@ class PrimitiveAction:
         response = future.result()
         result = response.result
         if response.status == GoalStatus.STATUS_SUCCEEDED and not result.error_code:
-            self.motions.ended()
+            self.planner.ended()
         elif response.status == GoalStatus.STATUS_CANCELED:
-            self.motions.ended(canceled=True)
+            self.planner.ended(canceled=True)
         else:
             text = result.error_string or f'code {result.error_code}'
-            self.motions.ended(f'{self.name} has ended the motion: {text}')
+            self.planner.ended(f'{self.name} has ended the motion: {text}')
 
     def _fail(self, reason: str) -> None:
         """Give up the goal; one that may still run is canceled."""
@@ -176,7 +181,7 @@ class PrimitiveAction:
         self._watch.ended()
         if handle is not None:
             handle.cancel_goal_async()
-        self.motions.ended(reason)
+        self.planner.ended(reason)
 
     def close(self) -> None:
         """Nothing was opened to be asked what is missing."""

@@ -1,0 +1,118 @@
+"""SuiteMotions: the robot of a program is moved by planning_node and controller_node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_changed
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.nodes.ports.program.controller_client import ControllerClient
+from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
+from robots_controller.nodes.ports.program.planner_client import PlannerClient
+from robots_controller.program.motions import path_switches
+from robots_core.blocks.following.guide import Guide
+from robots_core.ros.messages import motion_result_from_message
+from robots_core.ros.peers.heartbeat import HeartbeatWatch
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import RobotNode
+
+
+class SuiteMotions:
+    """Planner and controller of a program's host.
+
+    Args:
+        node: The program's node.
+        held_up: As for `PlannerClient`.
+    """
+
+    def __init__(self, node: RobotNode, held_up: Callable[[], bool]) -> None:
+        self._node = node
+        self.planner = PlannerClient(node, node.robot.axes_data.names, held_up)
+        """Plans motions."""
+        self.controller = ControllerClient(node)
+        """Follows them."""
+
+    def report_to(self, host: ProgramHost, changed: Callable[[], None], watchdog: float) -> None:
+        """Begin to report to a program's host.
+
+        Args:
+            host: The host.
+            changed: Called after each report.
+            watchdog: Without a sign of life for this long a node is lost, s.
+        """
+        node = self._node
+        path_switches.warm_up(node.robot.direct_kinematics, node.robot.home)
+        PathSwitchingMessages(node, host.switching, node.robot.axes_data.names)
+
+        def ended(message: DiagnosticStatus) -> None:
+            host.motions.result(motion_result_from_message(message))
+            changed()
+
+        subscribe(node, DiagnosticStatus, 'motion_result', ended)
+        self.controller.report_to(host, changed)
+        self.watch = HeartbeatWatch(node, WATCHED_NODES, watchdog, partial(watched_node_changed, host))
+
+    def readiness(self, expected: Sequence[str]) -> MotionReadiness:
+        """What autostart waits for, with the nodes that are expected besides."""
+        return MotionReadiness(self._node, self, expected)
+
+    def check_guide(self, guide: Guide) -> None:
+        """Whatever guides the robot, planner and controller can follow."""
+
+    def end(self) -> None:
+        """Motions end with the program."""
+
+
+class MotionReadiness:
+    """Whether planner and controller can move the robot.
+
+    Args:
+        node: The program's node.
+        motions: Of the program.
+        expected: Further nodes that have to be there. With any, the controller has to report that it is
+            ready, as it does after their first signs of life.
+    """
+
+    def __init__(self, node: RobotNode, motions: SuiteMotions, expected: Sequence[str]) -> None:
+        self._node, self._motions, self._expected = node, motions, expected
+        self._controller_works = False
+        self._troubles: dict[str, str] = {}
+        self._subscriptions = [
+            subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
+            subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
+        ]
+
+    def _on_reference(self, _: JointTrajectory) -> None:
+        # A motion is planned from the reference: without one it would be refused.
+        self._controller_works = True
+
+    def _on_health(self, message: DiagnosticArray) -> None:
+        prefix = self._node.get_namespace().rstrip('/') + '/'
+        for status in message.status:
+            name = status.name.removeprefix(prefix)
+            if name in WATCHED_NODES:
+                well = status.level == DiagnosticStatus.OK
+                self._troubles[name] = '' if well else f'{name} ({status.message})'
+            elif name in self._expected:
+                self._troubles[name] = ''
+
+    def missing(self) -> list[str]:
+        """What motions need and is not there, for people."""
+        planner, controller = self._motions.planner, self._motions.controller
+        reported = not self._expected or 'controller_node' in self._troubles
+        present = {
+            'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
+            'controller_node': self._controller_works and controller.works and reported,
+            **{name: name in self._troubles for name in self._expected},
+        }
+        missing = [name for name, there in present.items() if not there]
+        return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
+
+    def close(self) -> None:
+        """Listen no longer."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
