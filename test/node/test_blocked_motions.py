@@ -20,7 +20,6 @@ from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.scenes.scene_messages import markers
 from robots_core.robot_model.shapes import Capsule
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import (
@@ -33,6 +32,7 @@ from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.nodes.planning_node import PlanningNode
+from scene_markers import markers
 
 from .planning_bench import ROBOT, PlanningBench
 

@@ -22,10 +22,10 @@ from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.collision_node import CollisionNode
-from robots_core.nodes.scenes.scene_messages import markers
 from robots_core.robot_model.shapes import Sphere
 from robots_core.ros.messages import diagnostic_values, doubles, motion_result_message
 from robots_core.ros.qos import COMMAND, STATE
+from scene_markers import markers
 
 from .bench import Bench
 

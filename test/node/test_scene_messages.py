@@ -11,9 +11,10 @@ from robots_core import Pose
 from robots_core.blocks import AttachedObject, Scene, SceneObject
 from robots_core.blocks.collision.scene import OBJECT_COLOUR
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.scenes.scene_messages import markers, updated_scene
+from robots_core.nodes.watched_scene import updated_scene
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
+from scene_markers import markers
 
 POSE = Pose.from_angles([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
 

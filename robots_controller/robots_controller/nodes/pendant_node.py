@@ -21,7 +21,7 @@ from robots_controller.pendant.trends import PERIOD
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import InstallationError
-from robots_core.nodes.scenes.watched_scene import WatchedScene
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import seconds
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode

@@ -18,7 +18,7 @@ from robots_core.blocks.collision.collision_guard import (
 )
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
-from robots_core.nodes.scenes.watched_scene import WatchedScene
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import (
     BUILD,
     NANOSECONDS,

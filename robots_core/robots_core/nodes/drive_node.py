@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
@@ -19,9 +20,10 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
-from robots_core.nodes.drive_rest import DriveRest
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.resting_rate import RestingRate
+from robots_core.periodic.watchdog import CHECKS
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
@@ -42,6 +44,42 @@ FAULTS = {
     'fault_frozen': 'axes whose encoders report one position from now on',
     'fault_lost': 'axes that are missing in joint_states',
 }
+# Periods. With references that come as often, feedback is sent when they come and not in between.
+PATIENCE: Final = 2
+
+
+class DriveRest:
+    """See `Rest`: periods without a message to take or to send are left out once the axes have settled.
+
+    Args:
+        supervised: The drives.
+        resting: When their feedback is sent.
+        arrivals: Of all that a step takes.
+        period: Of the loop, s.
+        watchdog: Of the references, s, which looks several times within that; 0 for none.
+    """
+
+    def __init__(
+        self,
+        supervised: SupervisedDrives,
+        resting: RestingRate,
+        arrivals: Arrivals,
+        *,
+        period: float,
+        watchdog: float,
+    ) -> None:
+        self._supervised, self._resting, self.wait = supervised, resting, arrivals.wait
+        self._most = max(0, int(watchdog / (CHECKS * period)) - 1) if watchdog else sys.maxsize
+
+    def periods(self) -> int:
+        """See `Rest`."""
+        if not self._supervised.settled or not (ahead := self._resting.ahead):
+            return 0
+        return min(ahead + PATIENCE, self._most)
+
+    def left_out(self, periods: int) -> None:
+        """See `Rest`."""
+        self._resting.pass_over(periods)
 
 
 class DriveNode(ManagedNode):

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
@@ -18,7 +18,7 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
-from robots_core.nodes.base_motion_message import base_motion_from_message
+from robots_core.errors import InvalidInputError
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
@@ -38,6 +38,7 @@ from robots_core.validation import Array, finite_vector, one_of
 MAX_RATE = 1000.0  # Hz
 SOURCES = ('joint_states', 'joint_reference')
 UPRIGHT = [0.0, 0.0, 0.0, 1.0]
+WORLD_FRAME = 'world'
 # Between samples further apart than this no acceleration is estimated from their velocities.
 LONGEST_GAP = 0.1  # s
 
@@ -170,6 +171,40 @@ class DynamicsNode(RobotNode):
 
 def _orientation(quaternion: Any) -> Array:
     return Pose.from_quaternion(np.zeros(3), finite_vector(quaternion, 4, 'quaternion x y z w')).T
+
+
+def base_motion_from_message(message: MultiDOFJointTrajectory) -> BaseMotion:
+    """How the base moves: one joint, one point.
+
+    The transform is that of the base in frame `world` (or none); its place has no effect. Velocity and
+    acceleration are in base axes, the acceleration is without gravity; either may be left out at rest. What
+    is linear in the velocity has no effect.
+
+    Raises:
+        InvalidInputError: another count, frame, or values that are not finite or no orientation.
+    """
+    if message.header.frame_id not in {'', WORLD_FRAME}:
+        raise InvalidInputError(
+            f'the base moves in frame {message.header.frame_id!r}; it must be {WORLD_FRAME!r}'
+        )
+    if len(message.points) != 1 or len(message.points[0].transforms) != 1:
+        raise InvalidInputError('the motion of a base is one point with one transform')
+    point = message.points[0]
+    for name in ('velocities', 'accelerations'):
+        if len(getattr(point, name)) > 1:
+            raise InvalidInputError(f'{len(getattr(point, name))} {name} came; a base has one or none')
+    o = point.transforms[0].rotation
+    values = {}
+    if point.velocities:
+        values['angular_velocity'] = _vector(point.velocities[0].angular, 'angular velocity')
+    if point.accelerations:
+        values['acceleration'] = _vector(point.accelerations[0].linear, 'acceleration')
+        values['angular_acceleration'] = _vector(point.accelerations[0].angular, 'angular acceleration')
+    return BaseMotion(Pose.from_quaternion([0.0, 0.0, 0.0], [o.x, o.y, o.z, o.w]).T, **values)
+
+
+def _vector(vector: Vector3, name: str) -> Array:
+    return finite_vector([vector.x, vector.y, vector.z], 3, name)
 
 
 main: Final = partial(run, DynamicsNode)

@@ -8,7 +8,7 @@ from rclpy.clock_type import ClockType
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.visualizer import Visualizer
-from robots_core.nodes.scenes.watched_scene import WatchedScene
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import PORTS, RobotNode

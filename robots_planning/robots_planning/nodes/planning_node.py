@@ -16,7 +16,7 @@ from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, 
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
-from robots_core.nodes.scenes.watched_scene import WatchedScene
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
 from robots_core.ros.message_class import action_type, message_class
 from robots_core.ros.messages import (

@@ -13,7 +13,7 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.zones.shared_zone import LARGEST, ZoneState, parse_zone_state
 from robots_controller.io.stopping_inputs import Closing, parse_closing
 from robots_core.blocks.collision.scene import Scene
-from robots_core.nodes.scenes.scene_parameter import scene_by_parameter
+from robots_core.nodes.watched_scene import WatchedScene, scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
@@ -53,9 +53,8 @@ class WatchedZones:
         """For the controller; None without zones."""
 
     def _make_guard(self) -> ZoneGuard:
-        # They load the reading of meshes, which a controller without zones does not need.
+        # It loads compiled functions which a controller without zones does not need.
         from robots_controller.control.zones.zone_guard import ZoneGuard  # noqa: PLC0415
-        from robots_core.nodes.scenes.watched_scene import WatchedScene  # noqa: PLC0415
 
         # In simulated time there is no other robot.
         name = '' if self._node.simulated_time else self._node.get_namespace()

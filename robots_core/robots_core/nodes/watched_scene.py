@@ -1,22 +1,60 @@
-"""visualization_msgs/MarkerArray to obstacles of a scene, and back."""
+"""The scene of a node: its parameter and file, and the obstacles that messages add."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robots_core.base_frames import AT_BASE, BASE_FRAME, BASE_FRAMES, TOOL_FRAME, frame_in_base
+from robots_core.base_frames import AT_BASE, BASE_FRAMES, TOOL_FRAME, frame_in_base
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Scene, SceneObject
+from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere, drawable_colour
+from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Mesh, Sphere, drawable_colour
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
-from robots_core.ros.messages import pose_from_message, pose_message
-from robots_core.validation import Array
+from robots_core.ros.messages import pose_from_message
+from robots_core.ros.qos import subscribe
+from robots_core.ros.robot_node import RobotNode
+
+
+class WatchedScene:
+    """Follows `collision_objects` from a scene on.
+
+    Args:
+        node: Whose scene.
+        on_change: Called with the scene, now and at every change; a RobotsError leaves it as it was.
+        scene: To begin with; by default that of the parameter, which is declared.
+
+    Raises:
+        InvalidInputError: a scene file that is missing or wrong; names its line.
+    """
+
+    def __init__(
+        self, node: RobotNode, on_change: Callable[[Scene], None], scene: Scene | None = None
+    ) -> None:
+        self._base_link = node.robot.base_link
+        self.scene = scene_by_parameter(node) if scene is None else scene
+        on_change(self.scene)
+        self._on_change = on_change
+        subscribe(node, MarkerArray, 'collision_objects', self._on_objects)
+
+    def _on_objects(self, message: MarkerArray) -> None:
+        scene = updated_scene(self.scene, message, self._base_link)
+        self._on_change(scene)
+        self.scene = scene
+
+
+def scene_by_parameter(node: RobotNode) -> Scene:
+    """Declare the parameter `scene` and read its file; an empty scene without one.
+
+    Raises:
+        InvalidInputError: a scene file that is missing or wrong; names its line.
+    """
+    path = node.parameter('scene', '', 'scene file (YAML); empty for none')
+    return read_scene(path) if path else Scene()
 
 
 def updated_scene(scene: Scene, message: MarkerArray, base_link: Pose = AT_BASE) -> Scene:
@@ -68,20 +106,6 @@ def marker_name(marker: Marker) -> str:
     return f'{marker.ns or "object"}/{marker.id}' if marker.id or not marker.ns else str(marker.ns)
 
 
-def markers(scene: Scene, stamp: Time) -> MarkerArray:
-    """The objects of a scene as markers; capsules and meshes as triangles."""
-    array = MarkerArray()
-    for items, frame in ((scene.objects, BASE_FRAME), (scene.attached, TOOL_FRAME)):
-        for item in items:
-            marker = Marker(ns=item.name, action=Marker.ADD, pose=pose_message(item.pose))
-            marker.header.stamp, marker.header.frame_id = stamp, frame
-            c = marker.color
-            c.r, c.g, c.b, c.a = item.colour
-            _set_geometry(marker, item.geometry)
-            array.markers.append(marker)
-    return array
-
-
 def _geometry(marker: Marker, name: str) -> Geometry:
     x, y, z = marker.scale.x, marker.scale.y, marker.scale.z
     match marker.type:
@@ -101,7 +125,7 @@ def _geometry(marker: Marker, name: str) -> Geometry:
                 )
             return Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
         case Marker.MESH_RESOURCE:
-            # Imported on demand, as below: most scenes need no library for meshes.
+            # Imported on demand: most scenes need no library for meshes.
             mesh_file = import_module('robots_core.robot_model.urdf.mesh_file')
             mesh: Mesh = mesh_file.read_mesh(mesh_path(marker.mesh_resource, Path()), (x, y, z))
             return mesh
@@ -109,23 +133,3 @@ def _geometry(marker: Marker, name: str) -> Geometry:
         f'object {name!r} is a marker of type {marker.type}; solids are CUBE, SPHERE, CYLINDER, '
         f'TRIANGLE_LIST and MESH_RESOURCE'
     )
-
-
-def _set_geometry(marker: Marker, geometry: Geometry) -> None:
-    size: Sequence[float] = (1.0, 1.0, 1.0)
-    match geometry:
-        case Box(edges):
-            marker.type, size = Marker.CUBE, edges
-        case Sphere(radius):
-            marker.type, size = Marker.SPHERE, (2.0 * radius,) * 3
-        case Cylinder(radius, length):
-            marker.type, size = Marker.CYLINDER, (2.0 * radius, 2.0 * radius, length)
-        case Capsule() | Mesh():
-            marker.type = Marker.TRIANGLE_LIST
-            mesh = import_module('robots_core.robot_model.urdf.triangle_mesh').triangle_mesh(geometry)
-            marker.points = [_point(corner) for corner in mesh.triangles.reshape(-1, 3)]
-    marker.scale.x, marker.scale.y, marker.scale.z = map(float, size)
-
-
-def _point(corner: Array) -> object:
-    return pose_message(Pose(corner, np.eye(3))).position

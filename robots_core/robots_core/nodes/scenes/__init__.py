@@ -1,1 +1,0 @@
-"""The scene of a node: its parameter and file, and the obstacles that messages add."""
