@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from late_drives import LATE_DRIVES
-from robots_controller.nodes.controller.foreign_writers import ForeignWriters
+from robots_controller.nodes.controller.watched_nodes import ForeignWriters
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model

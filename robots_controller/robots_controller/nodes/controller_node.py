@@ -23,11 +23,9 @@ from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.nodes.controller.commander_services import CommanderServices, authority_by_parameters
-from robots_controller.nodes.controller.controller_parameters import settings_by_parameters
+from robots_controller.nodes.controller.controller_parameters import earlier_start, settings_by_parameters
 from robots_controller.nodes.controller.controller_rest import ControllerRest
-from robots_controller.nodes.controller.earlier_start import earlier_start
-from robots_controller.nodes.controller.foreign_writers import ForeignWriters
-from robots_controller.nodes.controller.watched_nodes import WatchedNodes
+from robots_controller.nodes.controller.watched_nodes import ForeignWriters, WatchedNodes
 from robots_controller.nodes.controller.watched_zones import WatchedZones
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_core.cell_interface.motion_result import MotionResult
