@@ -16,11 +16,10 @@ from robots_core import Pose, load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
+    BUILD,
     doubles,
-    joint_state_message,
     motion_result_from_message,
     motion_result_message,
-    pose_stamped_message,
     stamp_id,
 )
 from robots_core.ros.qos import COMMAND, STATE
@@ -85,9 +84,9 @@ class PlanningBench(Bench):
         """Send a command with a stamp; returns its id."""
         time = Time(sec=stamp)
         if topic == 'ptpjoint_joint':
-            message: Any = joint_state_message(time, self.names, target)
+            message: Any = BUILD.joint_state(time, self.names, target)
         else:
-            message = pose_stamped_message(time, target)
+            message = BUILD.pose_stamped(time, target)
         self.publish(topic, message)
         return stamp_id(time)
 

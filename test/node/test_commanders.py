@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import joint_state_message, stamp_id
+from robots_core.ros.messages import BUILD, stamp_id
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 
 from .bench import EVERY_STATE
@@ -42,7 +42,7 @@ class CommandedCell(ProgramCell):
     def order(self, q: np.ndarray) -> MotionResult:
         """Command a motion from another node than the program's; returns its result."""
         stamp = self.peer.get_clock().now().to_msg()
-        self._commands.publish(joint_state_message(stamp, NAMES, q))
+        self._commands.publish(BUILD.joint_state(stamp, NAMES, q))
         return self.wait(
             lambda: next((result for result in self.results if result.id == stamp_id(stamp)), None),
             'a result',
@@ -147,7 +147,7 @@ def test_a_pendant_that_is_killed_during_a_step_loses_the_robot(t1: CommandedCel
     assert t1.take('pendant').success
     t1.until_commander('PENDANT')
     t1.hold_run()
-    commands.publish(joint_state_message(t1.peer.get_clock().now().to_msg(), NAMES, t1.position() + 0.1))
+    commands.publish(BUILD.joint_state(t1.peer.get_clock().now().to_msg(), NAMES, t1.position() + 0.1))
     t1.until_moving()
     t1.runner.call(lambda: pendant.destroy_timer(alive))
     t1.until_commander('NOBODY')

@@ -22,7 +22,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.inverse_kinematics_node import InverseKinematicsNode
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.messages import pose_message, pose_stamped_message, seconds
+from robots_core.ros.messages import BUILD, pose_message, seconds
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
@@ -145,7 +145,7 @@ class JumpingSensor(TimedNode):
     def _work(self, now: float) -> None:
         if now < self.END:
             pose = self._places[int(now / self.JUMP) % 2]
-            self._poses.publish(pose_stamped_message(self.get_clock().now().to_msg(), pose))
+            self._poses.publish(BUILD.pose_stamped(self.get_clock().now().to_msg(), pose))
 
     def _on_point(self, message: JointTrajectory) -> None:
         (point,) = message.points

@@ -19,7 +19,7 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import joint_state_message, motion_result_from_message, stamp_id
+from robots_core.ros.messages import BUILD, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -71,7 +71,7 @@ class JoggedRobot(Bench):
     def move(self, q: np.ndarray) -> MotionResult:
         """Command a motion; returns its result."""
         stamp = self.peer.get_clock().now().to_msg()
-        self.publish('ptpjoint_joint', joint_state_message(stamp, tuple(NAMES), q))
+        self.publish('ptpjoint_joint', BUILD.joint_state(stamp, tuple(NAMES), q))
         return self.wait(
             lambda: next((result for result in self.results if result.id == stamp_id(stamp)), None),
             'a result',

@@ -18,7 +18,7 @@ from std_msgs.msg import Bool
 from robots_core import Pose
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import motion_result_message, pose_stamped_message
+from robots_core.ros.messages import BUILD, motion_result_message
 from robots_planning import LinearCartesianLimited, verify
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -205,7 +205,7 @@ def test_a_circle_and_a_spline_are_planned(bench: PlanningBench) -> None:
     start = Pose(*bench.robot.direct_kinematics(bench.robot.home))
     points = list(start.r + np.array([[0.0, 0.05, -0.05], [0.0, 0.0, -0.1]]))
     for stamp, topic in ((5, 'circcartesian'), (6, 'splinecartesian')):
-        poses = [pose_stamped_message(Time(sec=stamp), Pose(r, start.T)) for r in points]
+        poses = [BUILD.pose_stamped(Time(sec=stamp), Pose(r, start.T)) for r in points]
         path = Path(poses=poses)
         path.header.stamp = Time(sec=stamp)
         bench.publish(topic, path)
@@ -278,7 +278,7 @@ def test_values_and_bounds_travel_with_a_refusal(bench: PlanningBench) -> None:
 
 def test_a_pose_in_another_frame_is_refused(bench: PlanningBench) -> None:
     bench.stand(bench.robot.home)
-    bench.publish('ptpcartesian', pose_stamped_message(Time(sec=5), bench.below(), 'camera'))
+    bench.publish('ptpcartesian', BUILD.pose_stamped(Time(sec=5), bench.below(), 'camera'))
     assert (
         "frame 'camera' is unknown; valid are 'base' and 'base_link'" in bench.refusal('5.000000000').message
     )
@@ -291,7 +291,7 @@ def test_base_link_of_a_ur_arm_is_turned(ros_nodes: Any) -> None:
     turned = np.diag([-1.0, -1.0, 1.0])  # as their driver's frames are
     bench.publish(
         'ptpcartesian',
-        pose_stamped_message(Time(sec=5), Pose(turned @ there.r, turned @ there.T), 'base_link'),
+        BUILD.pose_stamped(Time(sec=5), Pose(turned @ there.r, turned @ there.T), 'base_link'),
     )
     r, T = bench.robot.direct_kinematics(bench.planned().position[-1])
     np.testing.assert_allclose(r, there.r, atol=1e-6)
@@ -300,7 +300,7 @@ def test_base_link_of_a_ur_arm_is_turned(ros_nodes: Any) -> None:
 
 def test_base_link_is_the_base(bench: PlanningBench) -> None:
     bench.stand(bench.robot.home)
-    bench.publish('ptpcartesian', pose_stamped_message(Time(sec=5), bench.below(), 'base_link'))
+    bench.publish('ptpcartesian', BUILD.pose_stamped(Time(sec=5), bench.below(), 'base_link'))
     r, _ = bench.robot.direct_kinematics(bench.planned().position[-1])
     np.testing.assert_allclose(r, bench.below().r, atol=1e-6)
 
@@ -310,7 +310,7 @@ def test_trigger_moves_to_the_newest_reference_pose_on_its_rising_edge(bench: Pl
     bench.publish('trigger', Bool(data=True))
     bench.wait(lambda: bench.results, 'a refusal')
     assert 'without a valid reference_pose' in bench.results[0].message
-    bench.publish('reference_pose', pose_stamped_message(Time(), bench.below()))
+    bench.publish('reference_pose', BUILD.pose_stamped(Time(), bench.below()))
     bench.wait(lambda: bench.node.planner.reference_pose is not None, 'the pose is taken')
     bench.publish('trigger', Bool(data=True))  # still high: no edge
     bench.publish('trigger', Bool(data=False))

@@ -24,8 +24,8 @@ from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.lockstep.counted_endpoints import NeverExecuted
 from robots_core.ros.messages import (
+    BUILD,
     doubles,
-    joint_state_message,
     motion_result_from_message,
     motion_result_message,
     stamp_id,
@@ -66,7 +66,7 @@ class Cell(Bench):
         self.publish('override', Float64(data=CRAWL), STATE)
         self.wait(lambda: self.controller._controller.speed.override == CRAWL, 'the override')
         self.wait(lambda: self.planner.reference() is not None, 'the first reference')
-        message = joint_state_message(self.peer.get_clock().now().to_msg(), NAMES, GOAL)
+        message = BUILD.joint_state(self.peer.get_clock().now().to_msg(), NAMES, GOAL)
         self.publish('ptpjoint_joint', message)
         self.wait(lambda: self.planner.moving, 'a motion')
         self.wait(lambda: np.any(self.positions[-1] != HOME), 'a moving robot')
@@ -138,7 +138,7 @@ def test_a_forged_commander_or_mode_does_not_let_strangers_move_the_robot(ros_no
     assert commanders.mode is OperatingMode.AUTOMATIC
     orders = cell.stranger.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
     cell.wait(orders.get_subscription_count, 'the planner listens')
-    orders.publish(joint_state_message(cell.peer.get_clock().now().to_msg(), NAMES, GOAL))
+    orders.publish(BUILD.joint_state(cell.peer.get_clock().now().to_msg(), NAMES, GOAL))
     cell.wait(lambda: cell.results, 'the refusal')
     assert cell.results[0].message.startswith('PROGRAM commands the robot, not REMOTE')
 

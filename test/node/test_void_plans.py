@@ -14,7 +14,7 @@ from std_msgs.msg import String
 
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
-from robots_core.ros.messages import diagnostic_status, joint_state_message, motion_result_message, stamp_id
+from robots_core.ros.messages import BUILD, diagnostic_status, motion_result_message, stamp_id
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
@@ -51,7 +51,7 @@ def test_what_was_commanded_before_the_planner_was_held_up_is_refused(ros_nodes:
 
     def hold_up() -> None:  # in the executor's thread, so that no command is served meanwhile
         for sec, nanosec in stamps:
-            message = joint_state_message(Time(sec=sec, nanosec=nanosec), bench.names, home + 0.1)
+            message = BUILD.joint_state(Time(sec=sec, nanosec=nanosec), bench.names, home + 0.1)
             publisher.publish(message)
         assert publisher.wait_for_all_acked(Duration(seconds=10.0))
         bench.node.held_up(60.0)
@@ -110,7 +110,7 @@ def test_what_is_planned_when_its_commander_loses_the_robot_is_not_sent(ros_node
     bench.wait(lambda: bench.node.admission.commanders.commander is Commander.PROGRAM, 'the commander')
     bench.wait(lambda: 'lua_program_node' not in bench.node.admission.watch.unseen, 'its heartbeat')
     begun, goes_on = long_plan(bench)
-    commands.publish(joint_state_message(Time(sec=12), bench.names, home + 0.1))
+    commands.publish(BUILD.joint_state(Time(sec=12), bench.names, home + 0.1))
     assert begun.wait(60.0)
     failures = bench.node.planner._queue.failures
     if how == 'its program is lost':
@@ -156,7 +156,7 @@ def test_a_commander_that_takes_the_robot_keeps_what_it_has_commanded(ros_nodes:
     commands = program.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
     commander = bench.publisher('commander', String, STATE)
     begun, goes_on = long_plan(bench)
-    commands.publish(joint_state_message(Time(sec=12), bench.names, home + 0.1))
+    commands.publish(BUILD.joint_state(Time(sec=12), bench.names, home + 0.1))
     assert begun.wait(60.0)
     commander.publish(String(data='PROGRAM'))  # it comes on another topic than the command, and later
     bench.wait(lambda: bench.node.admission.commanders.commander is Commander.PROGRAM, 'the commander')

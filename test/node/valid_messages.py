@@ -21,7 +21,7 @@ from trajectory_msgs.msg import (
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import BaseRobotModel, Pose
-from robots_core.ros.messages import diagnostic_status, doubles, pose_message, pose_stamped_message
+from robots_core.ros.messages import BUILD, diagnostic_status, doubles, pose_message
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 
 SHAPES: Final = (Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.TRIANGLE_LIST, Marker.MESH_RESOURCE)
@@ -51,7 +51,7 @@ def _trajectories(robot: BaseRobotModel, stamp: Time) -> list[Any]:
 
 
 def _poses(robot: BaseRobotModel, stamp: Time) -> list[Any]:
-    return [pose_stamped_message(stamp, Pose(*robot.direct_kinematics(robot.home)))]
+    return [BUILD.pose_stamped(stamp, Pose(*robot.direct_kinematics(robot.home)))]
 
 
 def _statuses(_: BaseRobotModel, __: Time) -> list[Any]:

@@ -14,7 +14,7 @@ from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.blocks.following.guide import Guide
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import BUILD, twist_stamped_message, wrench_from_message
+from robots_core.ros.messages import BUILD, wrench_from_message
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -79,7 +79,7 @@ class ForceControlNode(RobotNode):
         outputs = {channel: self._outputs.value(channel) or 0.0 for channel in self._channels}
         twist = self._guide.step(now, outputs)
         if twist is not None:
-            self._twists.publish(twist_stamped_message(self.get_clock().now().to_msg(), twist))
+            self._twists.publish(BUILD.twist_stamped(self.get_clock().now().to_msg(), twist))
 
 
 main: Final = partial(run, ForceControlNode)

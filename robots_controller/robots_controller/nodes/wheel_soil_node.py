@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.nodes.ports.io_images import OutputImages
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import joint_values, wrench_stamped_message
+from robots_core.ros.messages import BUILD, joint_values
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -38,7 +38,7 @@ class WheelSoilNode(RobotNode):
         q = joint_values(message.name, message.position, self._names, 'joint_states')
         self._contact.slip = self._outputs.value(self._setup.slip) or 0.0
         wrench = self._contact.of_robot(self.robot, q).wrench
-        self._publisher.publish(wrench_stamped_message(message.header.stamp, wrench))
+        self._publisher.publish(BUILD.wrench_stamped(message.header.stamp, wrench))
 
 
 main: Final = partial(run, WheelSoilNode)

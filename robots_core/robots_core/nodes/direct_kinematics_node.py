@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.pose import Pose
-from robots_core.ros.messages import ENCAPSULATION_SIZE, STAMP_END, joint_values, pose_stamped_message
+from robots_core.ros.messages import BUILD, ENCAPSULATION_SIZE, STAMP_END, joint_values
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -41,7 +41,7 @@ class DirectKinematicsNode(RobotNode):
 
     def _publish(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        pose = pose_stamped_message(message.header.stamp, self._kinematics.forward(q))
+        pose = BUILD.pose_stamped(message.header.stamp, self._kinematics.forward(q))
         self._pose = serialize_message(pose)
         self._publisher.publish(self._pose)
         self.ready()

@@ -23,11 +23,9 @@ from robots_core.nodes.payload_parameter import carry_payload, payload_from_para
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import (
+    BUILD,
     joint_motion,
-    joint_state_message,
-    matrix_message,
     seconds,
-    wrench_stamped_message,
 )
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
@@ -147,13 +145,13 @@ class DynamicsNode(RobotNode):
         tau, M, tau_aux = self._dynamics.rigid_dynamics(q, q_dot, q_ddot)
         stamp = message.header.stamp
         for publisher, torques in ((self._motor_torques, tau), (self._bias_torques, tau_aux)):
-            publisher.publish(joint_state_message(stamp, self._names, tau=torques))
-        self._mass_matrix.publish(matrix_message(M, 'torque', 'acceleration'))
+            publisher.publish(BUILD.joint_state(stamp, self._names, tau=torques))
+        self._mass_matrix.publish(BUILD.matrix(M, 'torque', 'acceleration'))
         pushed = -self._dynamics.base_wrench(q, q_dot, q_ddot)
-        self._base_wrench.publish(wrench_stamped_message(stamp, pushed, BASE_FRAME))
+        self._base_wrench.publish(BUILD.wrench_stamped(stamp, pushed, BASE_FRAME))
         if measured is not None:
             wrench = self._dynamics.external_wrench(q, q_dot, q_ddot, measured)
-            self._tool_wrench.publish(wrench_stamped_message(stamp, wrench, BASE_FRAME))
+            self._tool_wrench.publish(BUILD.wrench_stamped(stamp, wrench, BASE_FRAME))
         self._judge(tau if measured is None else measured)
 
     def _judge(self, tau: Array) -> None:

@@ -13,7 +13,7 @@ from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
+from robots_core.ros.messages import BUILD
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
@@ -67,8 +67,8 @@ class MotionCueingNode(RobotNode):
                     self._cockpit.take(read_input(topic, message))
         step = self._cockpit.step()
         stamp = self.get_clock().now().to_msg()
-        self._poses.publish(pose_stamped_message(stamp, self._cabin.flange_of(step)))
-        self._twists.publish(twist_stamped_message(stamp, self._cabin.twist_of(step)))
+        self._poses.publish(BUILD.pose_stamped(stamp, self._cabin.flange_of(step)))
+        self._twists.publish(BUILD.twist_stamped(stamp, self._cabin.twist_of(step)))
         if step.limits:
             self.journal.info('; '.join(step.limits), throttle_duration_sec=REASON_SHOWN)
 

@@ -129,11 +129,6 @@ def ros_message(type_name: str, **fields: Any) -> Any:
 
 
 BUILD: Final = MessageBuilder(ros_message)
-joint_state_message: Final = BUILD.joint_state
-pose_stamped_message: Final = BUILD.pose_stamped
-twist_stamped_message: Final = BUILD.twist_stamped
-wrench_stamped_message: Final = BUILD.wrench_stamped
-matrix_message: Final = BUILD.matrix
 
 
 def pose_from_message(message: PoseMessage) -> Pose:

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import doubles, pose_stamped_message
+from robots_core.ros.messages import BUILD, doubles
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
 
@@ -87,5 +87,5 @@ def _message(primitive: MotionPrimitive, frame_id: str) -> Any:
         return message
     poses: list[Any] = list(target) if isinstance(target, tuple) else [target]
     poses.reverse()  # the end stands first
-    message.poses = [pose_stamped_message(Time(), pose, frame_id) for pose in poses]
+    message.poses = [BUILD.pose_stamped(Time(), pose, frame_id) for pose in poses]
     return message

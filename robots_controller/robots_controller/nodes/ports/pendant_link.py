@@ -22,7 +22,7 @@ from robots_controller.pendant.jog.pendant_move import PendantMove
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import joint_motion, joint_state_message, seconds, twist_stamped_message
+from robots_core.ros.messages import BUILD, joint_motion, seconds
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
@@ -102,12 +102,12 @@ class PendantLink(ProgramLink):
     def jog_axes(self, velocity: Array) -> None:
         """See `PendantPort`."""
         stamp = self._node.get_clock().now().to_msg()
-        self._joints.publish(joint_state_message(stamp, self._names, q_dot=velocity))
+        self._joints.publish(BUILD.joint_state(stamp, self._names, q_dot=velocity))
 
     def jog_tool(self, twist: Array, frame: JogFrame) -> None:
         """See `PendantPort`."""
         stamp = self._node.get_clock().now().to_msg()
-        self._twists.publish(twist_stamped_message(stamp, np.asarray(twist), frame))
+        self._twists.publish(BUILD.twist_stamped(stamp, np.asarray(twist), frame))
 
     def hold_run(self, *, held: bool) -> None:
         """See `PendantPort`."""
@@ -131,7 +131,7 @@ class PendantLink(ProgramLink):
 
     def show_ghost(self, q: Array | None) -> None:
         """See `PendantPort`; without positions the ghost is gone."""
-        self._ghosts.publish(JointState() if q is None else joint_state_message(0, self._names, q))
+        self._ghosts.publish(JointState() if q is None else BUILD.joint_state(0, self._names, q))
 
     def set_override(self, value: float) -> None:
         """See `PendantPort`."""

@@ -17,7 +17,6 @@ from robots_core.ros.messages import (
     ENCAPSULATION_SIZE,
     NANOSECONDS,
     SERIALIZED_STAMP,
-    joint_state_message,
 )
 from robots_core.ros.qos import make_publisher
 from robots_core.validation import Array
@@ -100,9 +99,7 @@ class JointStateStream:
     def _template(self) -> SerializedRows:
         names, fields = self._layout
         end = EMPTY_SEQUENCE_SIZE if fields == 2 else 0  # positions and velocities
-        return SerializedRows(
-            lambda rows: joint_state_message(0, names, *rows), (fields, len(names)), end=end
-        )
+        return SerializedRows(lambda rows: BUILD.joint_state(0, names, *rows), (fields, len(names)), end=end)
 
 
 class ReferenceStream:
