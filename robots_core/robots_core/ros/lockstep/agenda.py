@@ -1,11 +1,13 @@
-"""Agenda: whose turn is next."""
+"""Agenda: whose turn is next, by what the participants have reported."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import NEVER, START, Phase
 from robots_core.ros.lockstep.protocol import OVER
+from robots_core.ros.lockstep.traffic import Traffic
 
 # A participant that requests another turn in every turn would let no time pass.
 MOST_TURNS: Final = 10_000
@@ -111,3 +113,28 @@ class Agenda:
                 self._next = Phase(min(phase + 1, Phase.PLANNING))
                 return Turn(self.time, Phase(phase), due)
         return None
+
+
+class Reports:
+    """What the participants have reported: what is due, what is on its way, and who works on."""
+
+    def __init__(self) -> None:
+        self.agenda, self.traffic = Agenda(), Traffic()
+        self.busy: set[str] = set()
+        """Participants whose work continues."""
+
+    def read(self, participant: str, numbers: Sequence[int]) -> None:
+        """Take a report from its third number on; see `REPORT`."""
+        busy, due, counts = numbers[0], numbers[1 : 1 + len(Phase)], numbers[1 + len(Phase) :]
+        self.agenda.set_due(participant, tuple(due))
+        for place in range(0, len(counts), 2):
+            self.traffic.count(participant, counts[place], counts[place + 1])
+        if busy:
+            self.busy.add(participant)
+        else:
+            self.busy.discard(participant)
+
+    @property
+    def quiet(self) -> bool:
+        """Everything sent was handled, and nobody works on."""
+        return not self.busy and self.traffic.quiet

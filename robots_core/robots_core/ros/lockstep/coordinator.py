@@ -12,7 +12,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Int64MultiArray, String
 
 from robots_core.errors import RobotsError
-from robots_core.ros.lockstep.agenda import Agenda, LockstepError
+from robots_core.ros.lockstep.agenda import LockstepError, Reports
 from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.lockstep.protocol import (
@@ -27,11 +27,11 @@ from robots_core.ros.lockstep.protocol import (
     Announcement,
     Endpoint,
     Roster,
+    as_json,
     decode_reports,
     encode,
     encode_clock,
 )
-from robots_core.ros.lockstep.traffic import Traffic
 from robots_core.ros.qos import STATE, STREAM
 
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
@@ -104,7 +104,8 @@ class Coordinator:
         self._recorder_checked = 0.0
         self._callers, self._may_lead = callers, True
         self._led_instants = 0
-        self._traffic, self._agenda = Traffic(), Agenda()
+        self._reported = Reports()
+        self._traffic, self._agenda = self._reported.traffic, self._reported.agenda
         self._announced: dict[str, Announcement] = {}
         self._names: list[str] = []
         # Later than any version of an earlier run, whose latched roster may still be on its way.
@@ -114,8 +115,6 @@ class Coordinator:
         """All participants have joined and time may advance."""
         self._sequence, self._ended = 0, False
         self._outstanding: set[str] = set()
-        self._busy: set[str] = set()
-        self._early: dict[str, dict[int, int]] = {}  # counts of endpoints that were not announced yet
         self._progress = time.monotonic()
         self._published_time = -1
 
@@ -187,8 +186,6 @@ class Coordinator:
     def _change_roster(self, announcement: Announcement) -> None:
         name = announcement.name
         self._traffic.join(name, announcement.endpoints)
-        for index, count in self._early.pop(name, {}).items():
-            self._count(name, index, count)
         self._send_roster()
         self._go_on()
 
@@ -198,7 +195,7 @@ class Coordinator:
             endpoints = tuple(Endpoint('recorded', topic) for topic in sorted(self._recorded))
             participants[self._recorder.get_fully_qualified_name()] = endpoints
         self._roster = Roster(self._roster.version + 1, participants, tuple(self._traffic.polled))
-        self._rosters.publish(String(data=self._roster.to_json()))
+        self._rosters.publish(String(data=as_json(self._roster)))
         self._progress = time.monotonic()
 
     def _is_recorded(self) -> bool:
@@ -269,31 +266,19 @@ class Coordinator:
 
     def _on_report(self, data: bytes) -> None:
         self._progress = time.monotonic()
-        for number, answered, busy, *numbers in decode_reports(data):
+        for number, answered, *numbers in decode_reports(data):
             if number == LED:
-                self._on_led(answered, busy, *numbers)
+                self._on_led(answered, *numbers)
                 continue
-            name, phases = self._names[number], len(Phase)
-            self._agenda.set_due(name, tuple(numbers[:phases]))
-            for place in range(phases, len(numbers), 2):
-                self._count(name, numbers[place], numbers[place + 1])
+            name = self._names[number]
+            self._reported.read(name, numbers)
             if answered == self._sequence:
                 self._outstanding.discard(name)
-            if busy:
-                self._busy.add(name)
-            else:
-                self._busy.discard(name)
         self._go_on()
-
-    def _count(self, name: str, index: int, count: int) -> None:
-        if index < len(self._announced[name].endpoints):
-            self._traffic.count(name, index, count)
-        else:
-            self._early.setdefault(name, {})[index] = count
 
     @property
     def _quiet(self) -> bool:
-        return not (self._outstanding or self._busy or self._early) and self._traffic.quiet
+        return not self._outstanding and self._reported.quiet
 
     def _go_on(self) -> None:
         if not self.started or self._ended or not self._quiet or self._recorder_is_behind():
@@ -347,8 +332,8 @@ class Coordinator:
         at = f'at {1e-9 * self._agenda.time:.9f} s'
         if self._outstanding:
             return f'{", ".join(sorted(self._outstanding))} did not do what was due {at}'
-        if self._busy:
-            return f'{", ".join(sorted(self._busy))} did not end the work under way {at}'
+        if self._reported.busy:
+            return f'{", ".join(sorted(self._reported.busy))} did not end the work under way {at}'
         missing = self._traffic.on_the_way()
         if self._recorder is not None and self._recorder_is_behind():
             missing.append(f'the recorder: {self._recorder.missing(self._awaited)}')

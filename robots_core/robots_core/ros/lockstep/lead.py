@@ -12,11 +12,10 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-from robots_core.ros.lockstep.agenda import Agenda, LockstepError, Turn
+from robots_core.ros.lockstep.agenda import LockstepError, Reports, Turn
 from robots_core.ros.lockstep.counted_endpoints import ALL
-from robots_core.ros.lockstep.phases import START, Phase
+from robots_core.ros.lockstep.phases import START
 from robots_core.ros.lockstep.protocol import LED, encode_clock, encode_reports
-from robots_core.ros.lockstep.traffic import Traffic
 
 if TYPE_CHECKING:
     from robots_core.ros.lockstep.participant import Participant
@@ -51,9 +50,8 @@ class Lead:
         node = participants[0].node
         self._clock: Any = Node.create_publisher(node, ClockMessage, '/clock', ALL)
         self._node = node
-        self._traffic, self._agenda = Traffic(), Agenda()
-        self._joined: dict[str, int] = {}
-        self._busy: set[str] = set()
+        self._reported = Reports()
+        self._traffic, self._agenda = self._reported.traffic, self._reported.agenda
         self.active = False
         """The participants have the lead."""
         self.sequence = self._instants = 0
@@ -106,8 +104,10 @@ class Lead:
             with self._lock:
                 kept, self._kept = self._kept, {}
             for participant in kept:
-                self._read(participant)
-            if self._busy or not self._traffic.quiet:
+                _, _, *numbers = participant.report()
+                self._traffic.join(participant.name, participant.counts.endpoints)
+                self._reported.read(participant.name, numbers)
+            if not self._reported.quiet:
                 return
             try:
                 turn = self._agenda.next_turn() if time.monotonic() < self._end else None
@@ -118,20 +118,6 @@ class Lead:
                 self._give_back()
             else:
                 self._take(turn)
-
-    def _read(self, participant: Participant) -> None:
-        _, _, busy, *numbers = participant.report()
-        name, phases = participant.name, len(Phase)
-        if self._joined.get(name) != len(participant.counts.endpoints):
-            self._joined[name] = len(participant.counts.endpoints)
-            self._traffic.join(name, participant.counts.endpoints)
-        self._agenda.set_due(name, tuple(numbers[:phases]))
-        for place in range(phases, len(numbers), 2):
-            self._traffic.count(name, numbers[place], numbers[place + 1])
-        if busy:
-            self._busy.add(name)
-        else:
-            self._busy.discard(name)
 
     def _take(self, turn: Turn) -> None:
         self.time = turn.time

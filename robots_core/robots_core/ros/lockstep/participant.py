@@ -21,16 +21,16 @@ from robots_core.ros.lockstep.counted_endpoints import (
     NO_SUBSCRIPTION_EVENTS,
     POLLED_DEPTH,
     CountedPublisher,
+    Counts,
     NeverExecuted,
     count_client,
     count_service,
     counted_callback,
     is_latched,
+    is_matched,
     reliable,
 )
-from robots_core.ros.lockstep.counts import Counts
 from robots_core.ros.lockstep.lead import Lead
-from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.phases import NANOSECONDS, START, Phase
 from robots_core.ros.lockstep.protocol import (
     GO,
@@ -45,6 +45,7 @@ from robots_core.ros.lockstep.protocol import (
     Endpoint,
     Kind,
     Roster,
+    as_json,
     decode,
     encode_reports,
 )
@@ -365,7 +366,7 @@ class Participant:
         announcement = Announcement(self.name, tuple(self.counts.endpoints), self._matched, leader)
         if announcement != self._announced:
             self._announced = announcement
-            self._participants.publish(String(data=announcement.to_json()))
+            self._participants.publish(String(data=as_json(announcement)))
 
     def _is_matched(self, roster: Roster) -> bool:
         """All has been found in the network that has to be. Releases late publishers."""

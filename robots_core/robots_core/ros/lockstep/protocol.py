@@ -87,10 +87,6 @@ class Announcement:
     matched: int = 0
     leader: str = ''
 
-    def to_json(self) -> str:
-        """As text."""
-        return json.dumps(vars(self), default=vars)
-
     @classmethod
     def from_json(cls, text: str) -> Announcement:
         """Of its text."""
@@ -112,16 +108,17 @@ class Roster:
     participants: dict[str, tuple[Endpoint, ...]]
     polled: tuple[str, ...]
 
-    def to_json(self) -> str:
-        """As text."""
-        return json.dumps(vars(self), default=vars)
-
     @classmethod
     def from_json(cls, text: str) -> Roster:
         """Of its text."""
         fields = json.loads(text)
         participants = {name: _endpoints(items) for name, items in fields['participants'].items()}
         return cls(fields['version'], participants, tuple(fields['polled']))
+
+
+def as_json(record: Announcement | Roster) -> str:
+    """As the text of a message; inverse of `from_json`."""
+    return json.dumps(vars(record), default=vars)
 
 
 def _endpoints(items: Iterable[dict[str, object]]) -> tuple[Endpoint, ...]:

@@ -32,6 +32,7 @@ class Traffic:
         self.polled: dict[str, None] = {}
         """Topics that are polled, in the order in which they were announced."""
         self._late: set[_Place] = set()
+        self._early: dict[_Place, int] = {}  # counts of endpoints that have not joined yet
 
     def join(self, participant: str, endpoints: Sequence[Endpoint]) -> None:
         """Count a participant's endpoints; called again, those that were added.
@@ -40,6 +41,8 @@ class Traffic:
             InvalidInputError: a polled topic has a second publisher.
         """
         known = len(self._endpoints.get(participant, ()))
+        if known == len(endpoints):
+            return
         self._endpoints[participant] = tuple(endpoints)
         for index, endpoint in enumerate(endpoints[known:], known):
             place = (participant, index)
@@ -59,6 +62,8 @@ class Traffic:
                     f'{topic} is published by {" and by ".join(publishers)}; in lock-step a topic whose '
                     'newest message is polled has one publisher'
                 )
+        for place in [one for one in self._early if one[0] == participant and one[1] < len(endpoints)]:
+            self.count(*place, self._early.pop(place))
 
     def sent(self, topic: str) -> int:
         """Messages that participants have sent on a topic."""
@@ -66,7 +71,11 @@ class Traffic:
 
     def count(self, participant: str, index: int, count: int) -> None:
         """Take a participant's new count of an endpoint."""
-        place, endpoint = (participant, index), self._endpoints[participant][index]
+        place, endpoints = (participant, index), self._endpoints.get(participant, ())
+        if index >= len(endpoints):
+            self._early[place] = count
+            return
+        endpoint = endpoints[index]
         more = count - self._counts[place]
         self._counts[place] = count
         if endpoint.kind == 'publisher':
@@ -86,7 +95,7 @@ class Traffic:
     @property
     def quiet(self) -> bool:
         """Everything sent has been received and handled."""
-        return not self._late
+        return not (self._late or self._early)
 
     def on_the_way(self) -> list[str]:
         """Each endpoint that has not received everything, as text for a person."""
