@@ -16,12 +16,7 @@ from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 
 class RendezvousTopics:
-    """Takes the gripper's output and the guide; publishes inputs, measured poses, poses and momentum.
-
-    Args:
-        node: The node of the drives.
-        rendezvous: The bodies, stepped with the drives.
-    """
+    """Takes the gripper's output and the guide; publishes inputs, measured poses, poses and momentum."""
 
     def __init__(self, node: RobotNode, rendezvous: Rendezvous) -> None:
         self._node, self._rendezvous = node, rendezvous

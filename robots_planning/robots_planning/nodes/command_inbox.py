@@ -15,9 +15,6 @@ class CommandInbox:
 
     An executor takes one message of each topic in turn: of commands that wait on several topics, it would
     hand over a later one first. In lock-step everything has come when the planner has its turn.
-
-    Args:
-        node: Whose executor delivers.
     """
 
     def __init__(self, node: RobotNode) -> None:

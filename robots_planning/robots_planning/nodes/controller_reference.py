@@ -13,11 +13,7 @@ TOPIC = 'joint_reference'
 
 
 class ControllerReference:
-    """Follows `joint_reference` when it is asked for; safe from any thread.
-
-    Args:
-        node: The node that subscribes.
-    """
+    """Follows `joint_reference` when it is asked for; safe from any thread."""
 
     def __init__(self, node: RobotNode) -> None:
         self._node, self._names = node, list(node.robot.axes_data.names)

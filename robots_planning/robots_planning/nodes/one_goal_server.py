@@ -33,11 +33,7 @@ class Outcome:
 
 
 class Goal:
-    """A goal under way.
-
-    Args:
-        handle: Of rclpy.
-    """
+    """A goal under way."""
 
     def __init__(self, handle: Any) -> None:
         self.handle = handle

@@ -5,13 +5,7 @@ from robots_core.ros.streams.serialized_streams import ReferenceStream
 
 
 class ControllerRest:
-    """See `Rest`: cycles in which no request waits, nothing is checked and no reference is sent are left out.
-
-    Args:
-        control: The loop.
-        references: Its references.
-        health_every: Health is looked at each so many cycles.
-    """
+    """See `Rest`: leaves out cycles where no request waits, nothing is checked and no reference is sent."""
 
     def __init__(self, control: ControlLoop, references: ReferenceStream, health_every: int) -> None:
         self._control, self._references, self._health_every = control, references, health_every

@@ -118,11 +118,6 @@ class ForeignWriters:
 
     Not all drives can tell references of other nodes apart. On the other topics messages of other nodes are
     dropped, where the middleware identifies their publishers; without that, these stop the robot too.
-
-    Args:
-        node: The controller's node.
-        control: What is stopped.
-        identified: The middleware identifies publishers.
     """
 
     def __init__(self, node: RobotNode, control: ControlLoop, *, identified: bool | None = None) -> None:

@@ -28,9 +28,6 @@ TOPIC: Final = 'zone_claims'
 class WatchedZones:
     """Declares the parameters `scene` and `zone_inputs`, and passes on what concerns zones.
 
-    Args:
-        node: The controller's.
-
     Raises:
         InvalidInputError: a scene file that is missing or wrong, or inputs that are none.
     """

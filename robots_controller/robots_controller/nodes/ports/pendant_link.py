@@ -54,11 +54,7 @@ def _of_pendant(settings: Mapping[str, object]) -> dict[str, object]:
 
 
 class PendantLink(ProgramLink):
-    """See `PendantPort` and, for its motions, `MovePort`; safe from any thread.
-
-    Args:
-        node: The node to publish and to call from; another thread spins it.
-    """
+    """See `PendantPort` and, for its motions, `MovePort`; safe from any thread but the node's own."""
 
     def __init__(self, node: RobotNode) -> None:
         super().__init__(node, PATIENCE)

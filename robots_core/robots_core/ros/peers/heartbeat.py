@@ -159,10 +159,6 @@ class NamesakeWatch:
 
     A dead node sends none, so one that is started after it stays. Only publishers of a node with the same
     full name count, and only where the middleware identifies publishers.
-
-    Args:
-        node: The node.
-        heartbeat: Its own.
     """
 
     def __init__(self, node: TimedNode, heartbeat: Heartbeat) -> None:

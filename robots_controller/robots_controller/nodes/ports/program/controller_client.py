@@ -23,11 +23,7 @@ POLL = 0.01  # s
 
 
 class ControllerClient:
-    """See `ControllerPort`; safe from any thread.
-
-    Args:
-        node: The node to call from.
-    """
+    """See `ControllerPort`; safe from any thread."""
 
     def __init__(self, node: RobotNode) -> None:
         self._node = node

@@ -21,12 +21,7 @@ FEEDBACK_PERIOD: Final = 0.005  # s
 
 
 class FeedbackClient:
-    """The newest of `joint_states`; for any thread.
-
-    Args:
-        node: The node.
-        joint_names: The robot's joints.
-    """
+    """The newest of `joint_states`; for any thread."""
 
     def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
         self._joint_names = joint_names

@@ -23,13 +23,7 @@ from robots_planning.trajectory import Trajectory
 
 
 class PathSwitchingMessages:
-    """Subscribes `joint_trajectory`, `motion_plan` and `motion_progress`.
-
-    Args:
-        node: The node.
-        switching: Gets them.
-        joint_names: The robot's joints.
-    """
+    """Subscribes `joint_trajectory`, `motion_plan` and `motion_progress`."""
 
     def __init__(self, node: TimedNode, switching: PathSwitching, joint_names: tuple[str, ...]) -> None:
         self._node, self._switching, self._joint_names = node, switching, joint_names
