@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable
+from typing import Any, Final
 
-from robots_core.errors import InvalidInputError, NotNowError
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState
+from rclpy.lifecycle import TransitionCallbackReturn as Outcome
+
+from robots_core.errors import InvalidInputError, NotNowError, RobotsError
 from robots_core.ros.robot_node import RobotNode
-
-if TYPE_CHECKING:
-    from robots_core.ros.managed_states import ManagedStates
 
 INACTIVE: Final = 'not active: it is managed, and waits for ~/change_state'
 
@@ -38,8 +39,7 @@ class ManagedNode(RobotNode):
             return
         if self.participant is not None:
             raise InvalidInputError('managed is not for lock-step, which counts all messages of a node')
-        # Imported on demand: other nodes need none of its messages.
-        self._lifecycle = import_module('robots_core.ros.managed_states').ManagedStates(self)
+        self._lifecycle = ManagedStates(self)
         self.closing.callback(self._lifecycle.close)
 
     @property
@@ -66,3 +66,58 @@ class ManagedNode(RobotNode):
 
     def give_up(self) -> None:
         """End the work whatever the robot does: stop it, inside its limits."""
+
+
+class ManagedStates(LifecycleNodeMixin):
+    """Asks a node to begin and to end its work; a RobotsError of it refuses the transition.
+
+    The rest has no work: parameters are read when the node starts, so that configure and cleanup change
+    nothing but the state.
+    """
+
+    def __init__(self, node: ManagedNode) -> None:
+        self.active = False
+        """The node may work."""
+        self._node = node
+        self.handle, self.default_callback_group = node.handle, node.default_callback_group
+        self._services: list[Any] = node._services  # noqa: SLF001  # as in rclpy's LifecycleNode
+        super().__init__()
+        self._change = self._service_change_state.callback
+        self._service_change_state.callback = self._change_state
+
+    def close(self) -> None:
+        """Let the node be destroyed."""
+        self._state_machine.destroy_when_not_in_use()
+
+    def _change_state(self, request: Any, response: Any) -> Any:
+        before = self._state_machine.current_state[1]
+        try:
+            return self._change(request, response)
+        except rclpy_implementation.RCLError:  # rclpy lets it end the process
+            asked = request.transition.label or request.transition.id
+            self._node.journal.warning(f'transition {asked} is refused: the node is {before}')
+            response.success = False
+            return response
+
+    def on_activate(self, state: LifecycleState) -> Outcome:
+        """Let the node begin its work."""
+        return self._begin_or_end('activate', self._node.activate, before=state, active=True)
+
+    def on_deactivate(self, state: LifecycleState) -> Outcome:
+        """Let the node end its work."""
+        return self._begin_or_end('deactivate', self._node.deactivate, before=state, active=False)
+
+    def on_shutdown(self, state: LifecycleState) -> Outcome:
+        """Stop the robot; nothing follows."""
+        return self._begin_or_end('shutdown', self._node.give_up, before=state, active=False)
+
+    def _begin_or_end(
+        self, name: str, work: Callable[[], None], *, before: LifecycleState, active: bool
+    ) -> Outcome:
+        try:
+            work()
+        except RobotsError as error:
+            self._node.journal.warning(f'transition {name} of the {before.label} node is refused: {error}')
+            return Outcome.FAILURE
+        self.active = active
+        return Outcome.SUCCESS
