@@ -2,26 +2,19 @@
 
 from bisect import bisect_right, insort
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from typing import Final, Protocol
+from collections.abc import Iterable
+from typing import Final
 
 from rosbags.interfaces import Connection
-from rosgraph_msgs.msg import Clock
 
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.messages import nanoseconds
+from robots_core.ros.streams.polled_subscription import PolledSubscription
 
 QUEUE_DEPTH: Final = 5000
 
 Sent = tuple[int, Connection, bytes]
 """Time of the system's clock or simulated time, ns; connection; serialized message."""
-
-
-class Clocks(Protocol):
-    """A subscription to `/clock`."""
-
-    def take_all(self) -> Iterable[tuple[Clock, Mapping[str, int]]]:
-        """What came since the last call, with its `source_timestamp`, ns."""
 
 
 class LockstepTimes:
@@ -35,10 +28,10 @@ class LockstepTimes:
     instant.
 
     Args:
-        clock: Takes `/clock`, with the middleware's information on each message.
+        clock: Subscribed to `/clock`.
     """
 
-    def __init__(self, clock: Clocks) -> None:
+    def __init__(self, clock: PolledSubscription) -> None:
         self._clock = clock
         self._sent: list[int] = []  # when the clock of an instant was sent, ns of the system's clock
         self._instants: list[int] = []

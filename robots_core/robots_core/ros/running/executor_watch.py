@@ -3,20 +3,15 @@
 import math
 import threading
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
+
+from rclpy.executors import Executor
 
 from robots_core.periodic.realtime import processor_share
 from robots_core.periodic.watchdog import CHECKS, Watchdog
 
 HUNG: Final = 10.0
 """A callback that takes longer, s, waits for something that does not come."""
-
-
-class TaskQueue(Protocol):
-    """The part of an executor that is needed."""
-
-    def create_task(self, callback: Callable[[], None], /) -> object:
-        """Call `callback` in the executor's thread, from any thread."""
 
 
 class ExecutorWatch:
@@ -31,7 +26,7 @@ class ExecutorWatch:
 
     def __init__(
         self,
-        executor: TaskQueue,
+        executor: Executor,
         on_hung: Callable[[], None],
         *,
         timeout: float = HUNG,
