@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robots_controller.io.scripted_plc import Pending
-from robots_controller.nodes.ports.plc_status import pending_as_text, pending_from_text
+from robots_controller.io.scripted_plc import Pending, pending_as_text, pending_from_text
 from robots_core.errors import InvalidInputError
 
 

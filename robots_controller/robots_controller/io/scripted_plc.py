@@ -1,10 +1,11 @@
 """ScriptedPlc: plays a PlcScript against outputs; the time is handed in."""
 
 import heapq
+import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plc_script import PlcRule, PlcScript
@@ -12,6 +13,7 @@ from robots_core.errors import InvalidInputError
 
 # Rules that trigger each other without any time between them would never end.
 MOST_AT_ONCE: Final = 1000
+SHOWN: Final = 60  # characters of a text that is refused
 
 
 @dataclass(frozen=True)
@@ -161,3 +163,28 @@ class ScriptedPlc:
     def _schedule(self, time: float, due: _Due) -> None:
         self._count += 1
         heapq.heappush(self._due, (time, self._count, due))
+
+
+def pending_as_text(changes: Pending, start: float) -> str:
+    """Changes as JSON; `start` is when their clock was 0 s, on the clock of the message."""
+    return json.dumps([[start + time, line, inputs] for time, line, inputs in changes])
+
+
+def pending_from_text(text: str, start: float) -> Pending:
+    """Inverse of `pending_as_text`.
+
+    Raises:
+        InvalidInputError: text of another form.
+    """
+    try:
+        return tuple(_pending(json.loads(text), start))
+    except (ValueError, TypeError, AttributeError, RecursionError, OverflowError):
+        raise InvalidInputError(f'pending = {text[:SHOWN]!r} is no list of [time, line, inputs]') from None
+
+
+def _pending(rows: Any, start: float) -> Iterator[tuple[float, int, Mapping[str, float]]]:
+    for time, line, inputs in rows:
+        numbers = {str(name): float(value) for name, value in inputs.items()}
+        if not all(map(math.isfinite, (time, *numbers.values()))):
+            raise ValueError
+        yield time - start, int(line), numbers

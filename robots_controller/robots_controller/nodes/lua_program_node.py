@@ -25,8 +25,7 @@ from robots_controller.io.io_signals import LARGEST_INDEX
 from robots_controller.nodes.autostart import Autostart
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
-from robots_controller.nodes.ports.program.lockstep_turns import LockstepTurns
-from robots_controller.nodes.ports.program.program_clock import ProgramClock
+from robots_controller.nodes.ports.program.program_clock import LockstepTurns, ProgramClock
 from robots_controller.nodes.ports.program.suite_motions import SuiteMotions
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import OutputChange

@@ -15,9 +15,8 @@ from robots_controller.io.plant.mqtt_plc import MqttPlc
 from robots_controller.io.plant.opcua_plc import OpcuaPlc
 from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
-from robots_controller.io.scripted_plc import ScriptedPlc
+from robots_controller.io.scripted_plc import ScriptedPlc, pending_as_text
 from robots_controller.nodes.ports.io_images import InputImages, OutputImages
-from robots_controller.nodes.ports.plc_status import pending_as_text
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status

@@ -21,9 +21,9 @@ from std_srvs.srv import Trigger
 
 from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
+from robots_controller.io.scripted_plc import pending_from_text
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.nodes.ports.io_images import image_message
-from robots_controller.nodes.ports.plc_status import pending_from_text
 from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownPlc
 from robots_controller.program.files.cell_frames import FRAMES_FILE
 from robots_controller.program.files.taught_points import SUFFIX
