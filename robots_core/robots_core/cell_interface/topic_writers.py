@@ -81,12 +81,7 @@ class WriterWatch:
     _last: float = -math.inf  # of a stream
 
     def accepts(self, identity: bytes, now: float) -> bool:
-        """A message is of a writer.
-
-        Args:
-            identity: Of its publisher.
-            now: s.
-        """
+        """A message at `now`, s, is of a writer, by its publisher's identity."""
         if identity in self._writers:
             self._last = now
             return True

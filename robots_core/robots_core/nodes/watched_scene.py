@@ -63,11 +63,6 @@ def updated_scene(scene: Scene, message: MarkerArray, base_link: Pose = AT_BASE)
     A marker's name is its namespace, or `namespace/id` for an id above 0. Obstacles are in frame `base` (or
     none) or `base_link`, attached objects in `tool0`.
 
-    Args:
-        scene: Before it.
-        message: The message.
-        base_link: See `BaseRobotModel.base_link`.
-
     Raises:
         InvalidInputError: a marker that is no solid; the scene then stays as it was.
     """

@@ -16,13 +16,7 @@ def realtime_priority_parameter(node: RobotNode, default: int = 50) -> int:
 
 
 def resting_rate_parameter(node: RobotNode, topic: str, rate: float) -> RestingRate:
-    """Declare `resting_rate`, and make of it what says when a message is due.
-
-    Args:
-        node: The node.
-        topic: What it sends.
-        rate: Of its loop, Hz.
-    """
+    """Declare `resting_rate` of a topic that a loop sends at `rate`, Hz; it says when a message is due."""
     value = node.parameter(
         'resting_rate',
         RESTING_RATE,

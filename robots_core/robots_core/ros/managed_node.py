@@ -18,10 +18,6 @@ INACTIVE: Final = 'not active: it is managed, and waits for ~/change_state'
 class ManagedNode(RobotNode):
     """A `RobotNode` that works from its start, or, with parameter `managed`, as long as it is active.
 
-    Args:
-        name: Default node name.
-        options: Passed on to `RobotNode`.
-
     Parameters:
         managed: Offer the services of lifecycle_msgs, and begin unconfigured.
 

@@ -246,13 +246,8 @@ class RobotNode(TimedNode):
     ) -> Any:
         """As `Node.create_subscription`; a RobotsError of the callback refuses the message, see `refuse`.
 
-        Args:
-            msg_type: The topic's type.
-            topic: Its name. Where it is one of `WRITERS`, messages of others are dropped and reported.
-            callback: Gets the messages.
-            qos_profile: Quality of service.
-            from_anyone: Messages that are taken from others too.
-            options: As of `Node.create_subscription`.
+        Messages on a topic of `WRITERS` are dropped and reported where another node has sent them, but for
+        those that are taken `from_anyone`.
         """
 
         def take(message: Any) -> None:

@@ -201,13 +201,7 @@ class TimedNode(Node):
     ) -> Any:
         """As `Node.create_timer`; in lock-step the timer is the participant's, unless it has its own clock.
 
-        Args:
-            timer_period_sec: s.
-            callback: Called without arguments.
-            callback_group: rclpy's.
-            clock: Another clock than the node's.
-            autostart: It runs from the beginning.
-            phase: When in an instant of a lock-step run; the node's own by default.
+        `phase` is when in an instant it has its turn; the node's own by default.
         """
         if self.participant is None or clock is not None:
             return super().create_timer(timer_period_sec, callback, callback_group, clock, autostart)

@@ -25,11 +25,6 @@ class CommandAdmission:
     What was admitted and does not move the robot yet, as it is still being planned or held, is given up when
     its commander is lost, another one takes the robot, the robot is stopped, or the planner itself was held
     up. A program gives up its motions by itself when the robot is stopped.
-
-    Args:
-        node: The planner's.
-        planner: Plans what is admitted.
-        watchdog: See `watchdog_parameter`, s.
     """
 
     def __init__(self, node: RobotNode, planner: MotionPlanner, watchdog: float) -> None:

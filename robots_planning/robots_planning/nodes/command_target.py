@@ -15,12 +15,6 @@ def target_of(
 ) -> Array | Pose | tuple[Pose, ...]:
     """Joint positions (n,), a pose of the tool or several, in the base.
 
-    Args:
-        kind: Of the motion.
-        message: Of its type.
-        joints: Names of the robot's n joints.
-        base_link: See `BaseRobotModel.base_link`.
-
     Raises:
         InvalidInputError: missing joints, an unknown frame, or values that are not valid.
     """

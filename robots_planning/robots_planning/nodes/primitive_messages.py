@@ -26,10 +26,6 @@ TYPE_OF_KIND: Final = {JOINT.name: LINEAR_JOINT, LINE.name: LINEAR_CARTESIAN, CI
 def primitive_of(message: Any, pose_of: Callable[[Any], Pose]) -> MotionPrimitive:
     """The motion of a control_msgs/MotionPrimitive.
 
-    Args:
-        message: The primitive.
-        pose_of: Reads a PoseStamped.
-
     Raises:
         InvalidInputError: an unknown type, or targets that do not belong to it; names what is valid.
     """

@@ -30,12 +30,5 @@ def trajectory_from_message(message: SerializedTrajectory, names: Sequence[str])
 def trajectory_message(
     trajectory: Trajectory, names: Sequence[str], stamp: Time, *, join_time: float = 0.0
 ) -> bytes:
-    """A trajectory as serialized trajectory_msgs/JointTrajectory, stamped with its command's id.
-
-    Args:
-        trajectory: What to do.
-        names: The joints.
-        stamp: The command's id.
-        join_time: Where the trajectory continues from another, s; see `trajectory_from_message`.
-    """
+    """Inverse of `trajectory_from_message`, serialized; stamped with the command's id."""
     return serialize_points(names, stamp, BASE_FRAME, *trajectory.points_of_message(join_time))

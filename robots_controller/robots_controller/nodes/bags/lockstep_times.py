@@ -26,9 +26,6 @@ class LockstepTimes:
     are read one after the other: a message may be seen after others that were sent later. So all wait
     until the topics are read again. One that comes later still, as it was sent again, is the last one of its
     instant.
-
-    Args:
-        clock: Subscribed to `/clock`.
     """
 
     def __init__(self, clock: PolledSubscription) -> None:

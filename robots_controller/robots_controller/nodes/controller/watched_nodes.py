@@ -153,11 +153,7 @@ def checked_name(text: str) -> str:
 
 
 def expected_nodes(names: Iterable[str], *, watched: Sequence[str]) -> tuple[str, ...]:
-    """The names without empty ones.
-
-    Args:
-        names: Of nodes.
-        watched: Those that are watched.
+    """The names without empty ones; all have to be `watched`.
 
     Raises:
         InvalidInputError: one that is not watched.

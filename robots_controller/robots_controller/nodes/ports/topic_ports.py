@@ -38,13 +38,7 @@ class _Topic(IoPort):
 
 
 class InputTopic(_Topic):
-    """Inputs from a topic.
-
-    Args:
-        node: Owner of the subscription.
-        rows: Those of the topic.
-        on_arrival: Called after each message.
-    """
+    """Inputs from a topic."""
 
     def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]], on_arrival: Any) -> None:
         super().__init__(rows)
@@ -74,12 +68,7 @@ class InputTopic(_Topic):
 
 
 class OutputTopic(_Topic):
-    """Outputs to a topic, sent once all of its fields are known.
-
-    Args:
-        node: Owner of the publisher.
-        rows: Those of the topic.
-    """
+    """Outputs to a topic, sent once all of its fields are known."""
 
     def __init__(self, node: RobotNode, rows: Sequence[tuple[IoRow, TopicField]]) -> None:
         super().__init__(rows)

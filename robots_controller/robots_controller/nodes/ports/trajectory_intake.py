@@ -41,15 +41,7 @@ class Loss:
 
 
 class TrajectoryIntake:
-    """Takes `joint_trajectory`.
-
-    Args:
-        node: The controller's.
-        control: Follows what is valid.
-        fresh: Refuses what was sent before the node was held up.
-        publish: Publishes the results of motions that are refused.
-        report_cancellation: Publishes a cancellation with its reason.
-    """
+    """Takes `joint_trajectory`."""
 
     def __init__(
         self,

@@ -72,11 +72,7 @@ class Sender:
 
 
 class PublisherNames:
-    """Looks up by a publisher's identity which node it belongs to.
-
-    Args:
-        publishers: Full node names by identity, of all publishers that are known.
-    """
+    """Looks up by a publisher's identity which node it belongs to."""
 
     def __init__(self, publishers: Callable[[], Mapping[bytes, str]]) -> None:
         self._publishers = publishers

@@ -40,11 +40,7 @@ class ExecutorWatch:
         self._done = True
 
     def check(self, now: float) -> bool:
-        """Whether callbacks return; from any thread, often within the timeout.
-
-        Args:
-            now: Time, s.
-        """
+        """Whether callbacks return; from any thread, often within the timeout."""
         with self._looking:
             if now - self._looked >= self._period:
                 self._looked = now

@@ -149,9 +149,6 @@ class LeanExecutor(Executor):
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait until anything is ready, and call back once for each that is.
 
-        Args:
-            timeout_sec: s; without end by default.
-
         Raises:
             ExternalShutdownException: the context was shut down.
         """

@@ -28,11 +28,7 @@ _CHANNEL: Final = re.compile(r'_\d+(?=/|$)')
 
 
 def described(node: Node) -> dict[str, Any]:
-    """A node's parameters, topics and services, as they stand in the table.
-
-    Args:
-        node: The node, with default parameters.
-    """
+    """Parameters, topics and services of a node with default parameters, as they stand in the table."""
     own = f'{node.get_fully_qualified_name()}/'
     parameters = [
         {

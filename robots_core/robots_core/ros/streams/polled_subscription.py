@@ -104,12 +104,7 @@ class PolledSubscription:
 
 
 class Arrivals:
-    """Waits until a message has come for any of several subscriptions.
-
-    Args:
-        node: Of the subscriptions.
-        subscriptions: At least one.
-    """
+    """Waits until a message has come for any of several subscriptions."""
 
     def __init__(self, node: Node, subscriptions: Iterable[PolledSubscription]) -> None:
         self._handles = [one.handle for one in subscriptions]

@@ -41,9 +41,6 @@ class JointStateReader:
     def position(self, raw: bytes) -> Array:
         """Positions of the wanted joints, (n,), matched by name.
 
-        Args:
-            raw: The serialized message.
-
         Raises:
             InvalidInputError: a missing joint, not one position per name, or values that are not finite.
         """
@@ -93,9 +90,6 @@ class ReferenceReader:
         """Position, velocity and acceleration, (3, n), not to be changed, and the stamp, s.
 
         The array is the same object as long as only the stamp changes.
-
-        Args:
-            raw: The serialized message.
 
         Raises:
             InvalidInputError: see `single_point`.

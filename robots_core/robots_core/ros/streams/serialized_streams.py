@@ -62,12 +62,7 @@ class SerializedRows:
 
 
 class JointStateStream:
-    """Publisher of `sensor_msgs/JointState` with joints that seldom change.
-
-    Args:
-        node: Owner; stamps are on its clock.
-        topic: Topic name.
-    """
+    """Publisher of `sensor_msgs/JointState` with joints that seldom change, stamped by the node's clock."""
 
     def __init__(self, node: Node, topic: str) -> None:
         self._publisher = make_publisher(node, JointState, topic)

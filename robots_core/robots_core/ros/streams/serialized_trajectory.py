@@ -34,13 +34,10 @@ COUNT: Final = struct.Struct('<I')
 
 
 class SerializedTrajectory:
-    """A serialized JointTrajectory.
+    """A serialized JointTrajectory, as a raw subscription takes it.
 
     Points that all have positions, velocities, accelerations and no effort are read as arrays; messages of
     any other kind are deserialized.
-
-    Args:
-        raw: The message in CDR, as a raw subscription takes it.
     """
 
     def __init__(self, raw: bytes) -> None:

@@ -43,12 +43,7 @@ class ControllerClient:
         return is_served(self._node, self._requests['cancel'])
 
     def report_to(self, host: ProgramHost, changed: Callable[[], None]) -> None:
-        """Report to a program's host.
-
-        Args:
-            host: The host.
-            changed: Called after each report.
-        """
+        """Report to a program's host; `changed` is called after each report."""
         self._host, self._changed = host, changed
 
         def stopped(message: DiagnosticStatus) -> None:

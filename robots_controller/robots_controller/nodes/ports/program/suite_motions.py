@@ -22,12 +22,7 @@ from robots_core.ros.robot_node import RobotNode
 
 
 class SuiteMotions:
-    """Planner and controller of a program's host.
-
-    Args:
-        node: The program's node.
-        held_up: As for `PlannerClient`.
-    """
+    """Planner and controller of a program's host; for `held_up` see `PlannerClient`."""
 
     def __init__(self, node: RobotNode, held_up: Callable[[], bool]) -> None:
         self._node = node
@@ -37,13 +32,7 @@ class SuiteMotions:
         """Follows them."""
 
     def report_to(self, host: ProgramHost, changed: Callable[[], None], watchdog: float) -> None:
-        """Begin to report to a program's host.
-
-        Args:
-            host: The host.
-            changed: Called after each report.
-            watchdog: Without a sign of life for this long a node is lost, s.
-        """
+        """Report to a program's host from now on; `changed` is called after each report."""
         node = self._node
         path_switches.warm_up(node.robot.direct_kinematics, node.robot.home)
         PathSwitchingMessages(node, host.switching, node.robot.axes_data.names)
