@@ -173,9 +173,10 @@ def test_what_hangs_at_its_end_is_ended(ros_domain: int, what: str) -> None:
     del ros_domain
     hanging = (
         'import ctypes, sys',
-        'from robots_core.ros.running import bounded_end, run',
+        'from robots_core import process_end',
+        'from robots_core.ros.running import run',
         'from robots_core.ros.timed_node import TimedNode',
-        'bounded_end.END_DEADLINE = 0.1',
+        'process_end.END_DEADLINE = 0.1',
         'class Hanging(TimedNode):',
         '    def destroy_node(self):',
         '        ctypes.PyDLL(None).pause()  # as Fast DDS can: no other thread runs Python meanwhile',

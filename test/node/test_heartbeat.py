@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from robots_core.ros.peers.heartbeat import Heartbeat, HeartbeatWatch
-from robots_core.ros.running.executor_watch import ExecutorWatch
-from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.lean_executor import ExecutorWatch, LeanExecutor
 from robots_core.ros.timed_node import TimedNode
 
 LONG = 60.0  # s

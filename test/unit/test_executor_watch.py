@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robots_core.ros.running.executor_watch import ExecutorWatch
+from robots_core.ros.running.lean_executor import ExecutorWatch
 
 TIMEOUT = 2.0  # s
 BEAT = 0.04  # s

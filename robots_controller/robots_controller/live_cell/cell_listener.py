@@ -15,9 +15,9 @@ from rclpy.task import Future
 
 from robots_controller.live_cell.cell_monitor import CellMonitor, TriggerClients
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
+from robots_core.process_end import bounded_end
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import PATIENCE, Coordinator
-from robots_core.ros.running.bounded_end import bounded_end
 from robots_core.ros.running.spun_nodes import SpunNodes
 from robots_core.ros.timed_node import TimedNode
 

@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.exit_codes import ExitCode
-from robots_core.ros.running.bounded_end import bounded_end
+from robots_core.process_end import bounded_end
 from robots_core.ros.running.lean_executor import LeanExecutor
 
 

@@ -1,5 +1,6 @@
 """LeanExecutor: takes messages and calls callbacks with a fraction of the cost of rclpy's executors."""
 
+import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
@@ -11,11 +12,15 @@ from rclpy.node import Node
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
 
+from robots_core.periodic.realtime import processor_share
+from robots_core.periodic.watchdog import CHECKS, Watchdog
 from robots_core.ros.peers.identified_messages import deliver
 from robots_core.ros.running.held_wait_set import HeldWaitSet
 
 TASK_PERIOD: Final = 0.005  # s between checks whether a coroutine that waits may go on
 WITHOUT_END: Final = -1
+HUNG: Final = 10.0
+"""A callback that takes longer, s, waits for something that does not come."""
 
 
 class SeldomReady:
@@ -221,6 +226,47 @@ class LeanExecutor(Executor):
             return
         future._set_executor(self)  # noqa: SLF001  # as rclpy's executors do
         future.set_result(response)
+
+
+class ExecutorWatch:
+    """Notices a callback that does not return, by a task that the executor is given now and then.
+
+    Args:
+        executor: The executor; it spins.
+        on_hung: Called once when it calls nothing any more.
+        timeout: A task that is not done by then never will be, s.
+        share: See `Watchdog`.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        on_hung: Callable[[], None],
+        *,
+        timeout: float = HUNG,
+        share: Callable[[], float] = processor_share,
+    ) -> None:
+        self._executor, self._on_hung = executor, on_hung
+        self._period = 0.5 * timeout / CHECKS
+        self._watchdog = Watchdog(timeout, share)
+        self._looking = threading.Lock()
+        self._looked = -math.inf
+        self._done = True
+
+    def check(self, now: float) -> bool:
+        """Whether callbacks return; from any thread, often within the timeout."""
+        with self._looking:
+            if now - self._looked >= self._period:
+                self._looked = now
+                if self._watchdog.check(now, alive=self._done):
+                    self._on_hung()
+                if self._done:
+                    self._done = False
+                    self._executor.create_task(self._finish)
+            return not self._watchdog.lost
+
+    def _finish(self) -> None:
+        self._done = True
 
 
 def _call_timer(timer: Any) -> None:

@@ -15,13 +15,11 @@ from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
-from robots_core.process_end import end_quickly
+from robots_core.process_end import STDERR, bounded_end, end_quickly
 from robots_core.ros.lockstep.lead import Lead
 from robots_core.ros.peers.heartbeat import Heartbeat, NamesakeWatch
-from robots_core.ros.running.bounded_end import STDERR, bounded_end
-from robots_core.ros.running.executor_watch import HUNG, ExecutorWatch
 from robots_core.ros.running.interrupt import interrupt
-from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.lean_executor import HUNG, ExecutorWatch, LeanExecutor
 from robots_core.ros.running.middleware import choose_transports
 from robots_core.ros.running.node_help import check_parameter_names, help_requested, help_text
 from robots_core.ros.timed_node import TimedNode
