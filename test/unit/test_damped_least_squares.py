@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.blocks import DampedLeastSquares
+from robots_core.blocks import DampedLeastSquares, Redundancy
 from robots_core.errors import InvalidInputError, JointLimitError
 from robots_core.kernels.serial_chain import error_between
 
@@ -117,3 +117,29 @@ def test_a_tool_is_brought_to_the_pose(robot: BaseRobotModel) -> None:
     assert result.converged
     reached = Pose(*robot.direct_kinematics(result.q)) @ tool
     assert max(reached.distance_to(pose)) < 1e-7  # the angle of two matrices
+
+
+@pytest.mark.parametrize(
+    'criterion',
+    [Redundancy.near(np.full(7, 0.3)), Redundancy.away_from_limits(), Redundancy.manipulability()],
+)
+def test_redundancy_improves_its_criterion_and_keeps_the_pose(criterion: Redundancy) -> None:
+    robot = load_robot_model('bello_bot')
+    axes = robot.axes_data
+
+    def badness(q: np.ndarray) -> float:
+        if criterion.preferred.size:
+            return float(((q - criterion.preferred) ** 2).sum())
+        if criterion.kind == Redundancy.manipulability().kind:
+            return -float(np.log(np.linalg.det(robot.jacobian(q) @ robot.jacobian(q).T)))
+        return float((((q - 0.5 * (axes.lower + axes.upper)) / (axes.upper - axes.lower)) ** 2).sum())
+
+    rng = np.random.default_rng(4)
+    plain, chosen = DampedLeastSquares(robot), DampedLeastSquares(robot, redundancy=criterion)
+    for _ in range(10):
+        q = 0.5 * robot.home + 0.5 * rng.uniform(axes.lower, axes.upper)
+        pose = Pose(*robot.direct_kinematics(q))
+        without, result = plain.solve(pose, q), chosen.solve(pose, q)
+        assert result.converged
+        axes.check_position(result.q)
+        assert badness(result.q) <= badness(without.q) + 1e-9

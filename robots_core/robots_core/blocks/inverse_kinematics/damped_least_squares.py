@@ -15,6 +15,7 @@ from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
     solve_poses,
 )
 from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
+from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
@@ -44,9 +45,12 @@ class DampedLeastSquares:
         restarts: Further starts after the one from `q_start`.
         seed: Of the restart points.
         tool: Pose of the tool centre point in tool0; tool0 itself by default.
+        redundancy: Secondary criterion for the degrees of freedom that the pose leaves: from the solution,
+            self-motion continues until the criterion is satisfied.
 
     Raises:
         InvalidInputError: an option that is not positive, or a robot whose axes are coupled.
+        JointLimitError: the preferred positions of the redundancy criterion lie outside the limits.
     """
 
     def __init__(
@@ -58,6 +62,7 @@ class DampedLeastSquares:
         restarts: int = 300,
         seed: int = 0,
         tool: Pose | None = None,
+        redundancy: Redundancy | None = None,
     ) -> None:
         self._axes = robot.axes_data
         if max_iterations < 1:
@@ -76,6 +81,7 @@ class DampedLeastSquares:
         self._fixed = (
             self._arm,
             low_discrepancy(self._axes, restarts, offset),
+            redundancy_arrays(redundancy, self._axes),
             (int(max_iterations), PROGRESS_STEPS),
         )
         self._target = (np.empty(3), np.empty((3, 3)))

@@ -6,9 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robots_core.blocks.inverse_kinematics.redundancy import (
+    NO_CRITERION,
+    RedundancyArrays,
+    desired_displacement,
+)
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.kernels.small_matrices import solve_free
+from robots_core.kernels.small_matrices import damped_gram, solve_free, solve_lower, solve_transposed
 from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 
@@ -23,6 +28,13 @@ LARGEST_STEP = 1.5  # rad (m) per axis; the linearisation does not hold beyond i
 PROGRESS_STEPS = 5
 PROGRESS_FACTOR = 0.5
 PATIENT = 0
+# Self-motion: fraction of the criterion's displacement per step, number of steps, correction steps back to
+# the pose after each, and the displacement below which it ends (rad).
+SELF_MOTION_PART = 0.5
+SELF_MOTION_STEPS = 40
+CORRECTION_STEPS = 6
+SELF_MOTION_END = 1e-5
+NULL_SPACE_DAMPING = 1e-6
 
 Effort = tuple[int, int]
 """Steps per start, and steps after which a start without progress is abandoned (PATIENT: never)."""
@@ -50,6 +62,7 @@ class Arm(NamedTuple):
 def solve_pose(
     arm: Arm,
     starts: Array,
+    redundancy: RedundancyArrays,
     effort: Effort,
     target: Target,
     q: Array,
@@ -78,6 +91,8 @@ def solve_pose(
                 break
     if not reached(arm, error):  # all steps for the closest point
         steps += search(arm, (effort[0], PATIENT), target, q, error)
+    if redundancy[0] != NO_CRITERION and reached(arm, error):
+        steps += _self_motion(arm, redundancy, target, q, error)
     _turn_near(first, arm, q)
     return steps
 
@@ -171,6 +186,47 @@ def _damped_step(
 
 
 @compiled()
+def _self_motion(arm: Arm, redundancy: RedundancyArrays, target: Target, q: Array, error: Array) -> int:
+    """Move towards the redundancy criterion by self-motion, which keeps the pose; return the steps taken."""
+    n, limits = q.size, arm.limits
+    r, T, J, desired = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
+    candidate, candidate_error = np.empty(n), np.empty(6)
+    L, task = np.empty((6, 6)), np.empty(6)
+    steps, part = 0, SELF_MOTION_PART
+    for _ in range(SELF_MOTION_STEPS):
+        pose_and_jacobian(arm.chain, q, r, T, J)
+        desired_displacement(redundancy, q, J, desired)
+        for i in range(n):  # directions that the limits exclude
+            if (q[i] <= limits[0, i] and desired[i] < 0.0) or (q[i] >= limits[1, i] and desired[i] > 0.0):
+                desired[i] = 0.0
+        damped_gram(J, NULL_SPACE_DAMPING, L)
+        for row in range(6):
+            task[row] = 0.0
+            for i in range(n):
+                task[row] += J[row, i] * desired[i]
+        solve_lower(L, task)
+        solve_transposed(L, task)
+        for i in range(n):
+            for row in range(6):
+                desired[i] -= J[row, i] * task[row]
+        largest = 0.0
+        for i in range(n):
+            largest = max(largest, abs(desired[i]))
+        if part * largest < SELF_MOTION_END:
+            break
+        factor = min(part, LARGEST_STEP / largest)
+        for i in range(n):
+            candidate[i] = q[i] + factor * desired[i]
+        steps += 1 + search(arm, (CORRECTION_STEPS, PATIENT), target, candidate, candidate_error)
+        if reached(arm, candidate_error):
+            copy_into(q, candidate)
+            copy_into(error, candidate_error)
+        else:
+            part *= 0.5
+    return steps
+
+
+@compiled()
 def _turn_near(reference: Array, arm: Arm, q: Array) -> None:
     """Add full turns inside the limits, so that each axis is nearest to the reference."""
     turn = 2.0 * np.pi
@@ -205,6 +261,7 @@ def _square(error: Array) -> float:
 def solve_poses(
     arm: Arm,
     starts: Array,
+    redundancy: RedundancyArrays,
     effort: Effort,
     r: Array,
     T: Array,
@@ -215,4 +272,4 @@ def solve_poses(
     """`solve_pose` for many: r (m, 3), T (m, 3, 3), q (m, n), errors (m, 6), steps (m,)."""
     for pose in range(r.shape[0]):
         target = (r[pose], T[pose])
-        steps[pose] = solve_pose(arm, starts, effort, target, q[pose], errors[pose])
+        steps[pose] = solve_pose(arm, starts, redundancy, effort, target, q[pose], errors[pose])
