@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
@@ -81,24 +81,15 @@ class MadeUpCell:
     def stop(self) -> None:
         self.calls.append(('stop',))
 
-    def call(self, service: str) -> None:
+    def call(self, service: str) -> str:
         self._answer(service)
+        return json.dumps(asdict(self.stack))
 
     def open_program(self, path: str) -> None:
         self._answer('open', path)
 
-    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
-        self._answer('breakpoints', *breakpoints)
-
-    def step(self, step: str) -> None:
-        self._answer('step', step)
-
-    def call_stack(self) -> str:
-        self._answer('call_stack')
-        return json.dumps(asdict(self.stack))
-
-    def set_mode(self, mode: OperatingMode) -> None:
-        self._answer('mode', mode)
+    def set_parameters(self, node: str, **values: object) -> None:
+        self._answer(node, values)
 
     def set_io(self, channel: Channel, value: float) -> None:
         self._answer('set', channel.name, value)

@@ -269,11 +269,12 @@ def test_a_program_is_debugged(page: Page, operator: PendantOperator, cell: Made
     operator.state = replace(operator.state, program=paused, run_enabled=True)
     panel = page.locator('.program-panel')
     panel.locator('.running[data-line="13"]').click(position={'x': 20, 'y': 5})
-    wait(page, lambda: ('breakpoints', 'press_tending.lua:13') in cell.calls, 'a breakpoint')
+    held = 'lua_program_node', {'breakpoints': ['press_tending.lua:13']}
+    wait(page, lambda: held in cell.calls, 'a breakpoint')
     operator.state = replace(operator.state, breakpoints={'press_tending.lua': {13}})
     panel.locator('.breakpoint[data-line="13"]').wait_for()
     press(page, '[data-press="step over"]')
-    wait(page, lambda: ('step', 'over') in cell.calls, 'a step')
+    wait(page, lambda: ('lua_program_node', {'step_mode': 'over'}) in cell.calls, 'a step')
     assert ('hold', True) in cell.calls
     page.mouse.up()
     wait(page, lambda: ('hold', False) in cell.calls, 'its release')

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, Page
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import ShownPlc
-from robots_core.cell_interface.operating_modes import Commander, OperatingMode
+from robots_core.cell_interface.operating_modes import Commander
 
 from .browser_page import open_page, shown, take_control, wait
 from .made_up_cell import MadeUpCell, made_up_operator, ready_state, running_program, served
@@ -100,7 +100,8 @@ def test_the_bar_shows_the_cell_and_sets_mode_and_override(
     wait(page, lambda: cell.calls == [('override', 0.55)], 'another override')
     page.get_by_label('Mode').click()
     page.get_by_role('option', name='AUTOMATIC', exact=True).click()
-    wait(page, lambda: cell.calls[-1] == ('mode', OperatingMode.AUTOMATIC), 'another mode')
+    automatic = 'controller_node', {'operating_mode': 'AUTOMATIC'}
+    wait(page, lambda: cell.calls[-1] == automatic, 'another mode')
     running_program(operator, line=12)
     bar.get_by_text('press_tending.lua: running, line 12').wait_for()
     assert operator.state.commander is Commander.PROGRAM

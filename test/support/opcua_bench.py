@@ -61,8 +61,9 @@ class Cell:
             raise self.error
         self.calls.append(what)
 
-    def call(self, service: str) -> None:
+    def call(self, service: str) -> str:
         self._call(service)
+        return ''
 
     def open_program(self, path: str) -> None:
         self._call(Path(path).name)

@@ -108,7 +108,7 @@ def test_what_is_permitted_is_commanded() -> None:
     operator.open_program(ME, '/p/b.lua')
     assert desk.cell.last == ('open_program', '/p/b.lua')
     operator.set_mode(ME, 'AUTOMATIC')
-    assert desk.cell.last == ('set_mode', OperatingMode.AUTOMATIC)
+    assert desk.cell.last == ('set_parameters', 'controller_node', 'AUTOMATIC')
 
 
 def test_odd_values_are_refused() -> None:

@@ -160,7 +160,7 @@ class TaskControl:
     def _call(self, method: str, service: str) -> Status:
         return self._done(method, lambda: self._port.call(f'lua_program_node/{service}'))
 
-    def _done(self, method: str, work: Callable[[], None]) -> Status:
+    def _done(self, method: str, work: Callable[[], object]) -> Status:
         try:
             work()
         except NoAnswerError as error:

@@ -263,16 +263,18 @@ class PendantOperator:
         """Hold programs at a line of a file, or do not any more."""
         self.check(viewer, Action.BREAK)
         lines = {(name, one) for name, ones in self.state.breakpoints.items() for one in ones}
-        self._port.set_breakpoints([f'{name}:{one}' for name, one in sorted(lines ^ {(file, line)})])
+        places = [f'{name}:{one}' for name, one in sorted(lines ^ {(file, line)})]
+        self._port.set_parameters('lua_program_node', breakpoints=places or [''])
 
     def step(self, viewer: str, step: str) -> None:
         """Let a held program make a step: over, in, out or motion."""
         self.check(viewer, Action.STEP)
-        self._port.step(one_of('step', STEPS)(step))
+        self._port.set_parameters('lua_program_node', step_mode=one_of('step', STEPS)(step))
+        self._port.call('lua_program_node/step')
 
     def call_stack(self) -> CallStack:
         """The call stack of the program that is held, innermost first, with its variables."""
-        return call_stack_from_json(self._port.call_stack())
+        return call_stack_from_json(self._port.call('lua_program_node/get_call_stack'))
 
     def measure(self, viewer: str, step: Callable[[], None]) -> None:
         """Do a step of `measuring`, if the viewer may now."""
@@ -305,7 +307,7 @@ class PendantOperator:
     def set_mode(self, viewer: str, mode: str) -> None:
         """Set the operating mode."""
         self.check(viewer, Action.MODE)
-        self._port.set_mode(OperatingMode(mode))
+        self._port.set_parameters('controller_node', operating_mode=OperatingMode(mode).value)
 
     def set_override(self, viewer: str, value: float) -> None:
         """Set the speed override, 0..1."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Protocol
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motions.motion_command import MotionCommand
-from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
 
@@ -17,8 +16,8 @@ from robots_core.validation import Array
 class ProgramPort(Protocol):
     """Commands that wait for an answer; they raise a RobotsError if the cell refuses or does not answer."""
 
-    def call(self, service: str) -> None:
-        """Call a std_srvs/Trigger service of the cell, such as 'lua_program_node/run'."""
+    def call(self, service: str) -> str:
+        """Call a std_srvs/Trigger service of the cell, such as 'lua_program_node/run'; its message."""
 
     def open_program(self, path: str) -> None:
         """Open a robot program."""
@@ -67,17 +66,8 @@ class PendantPort(ProgramPort, Protocol):
 
     # -- with an answer -----------------------------------------------------------------------------------
 
-    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
-        """Hold programs at these lines and no others, such as 'welding.lua:12'."""
-
-    def step(self, step: str) -> None:
-        """Let a held program make a step: over, in, out or motion."""
-
-    def call_stack(self) -> str:
-        """The call stack of a held program with its variables, as JSON of a `CallStack`."""
-
-    def set_mode(self, mode: OperatingMode) -> None:
-        """Set the operating mode."""
+    def set_parameters(self, node: str, **values: object) -> None:
+        """Set parameters of a node of the cell."""
 
     def force(self, channel: Channel, value: float | None) -> None:
         """Force an input to a value; None releases it."""

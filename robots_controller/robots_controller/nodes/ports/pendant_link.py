@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
@@ -20,7 +20,6 @@ from robots_controller.nodes.ports.program_link import ProgramLink
 from robots_controller.pendant.jog.jog_command import JogFrame
 from robots_controller.pendant.jog.pendant_move import PendantMove
 from robots_controller.pendant.motion_recording import MeasuredMotion
-from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import BUILD, joint_motion, seconds
 from robots_core.ros.qos import make_publisher
@@ -30,7 +29,6 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import PENDANT, PENDANT_SETTINGS
 from robots_planning.nodes.controller_reference import ControllerReference
 
-PROGRAM: Final = 'lua_program_node'
 PATIENCE: Final = 10.0  # s
 STOPS: Final = ('lua_program_node/stop', 'controller_node/stop')
 TAKE: Final = 'controller_node/commander/pendant'
@@ -138,22 +136,9 @@ class PendantLink(ProgramLink):
         for service in STOPS:
             self._services.send(service)
 
-    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+    def set_parameters(self, node: str, **values: object) -> None:
         """See `PendantPort`."""
-        set_parameters(self._services, PROGRAM, breakpoints=[*breakpoints] or [''])
-
-    def step(self, step: str) -> None:
-        """See `PendantPort`."""
-        set_parameters(self._services, PROGRAM, step_mode=step)
-        self._services.trigger(f'{PROGRAM}/step')
-
-    def call_stack(self) -> str:
-        """See `PendantPort`."""
-        return self._services.trigger(f'{PROGRAM}/get_call_stack')
-
-    def set_mode(self, mode: OperatingMode) -> None:
-        """See `PendantPort`."""
-        set_parameters(self._services, 'controller_node', operating_mode=mode.value)
+        set_parameters(self._services, node, **values)
 
     def force(self, channel: Channel, value: float | None) -> None:
         """See `PendantPort`."""

@@ -21,9 +21,9 @@ class ProgramLink:
         self._services = CellServices(node, patience)
         self._io = IoClient(self._services)
 
-    def call(self, service: str) -> None:
+    def call(self, service: str) -> str:
         """See `ProgramPort`."""
-        self._services.trigger(service)
+        return self._services.trigger(service)
 
     def open_program(self, path: str) -> None:
         """See `ProgramPort`."""
