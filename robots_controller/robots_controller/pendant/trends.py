@@ -51,11 +51,6 @@ class Trends:
         self._labels: Mapping[str, tuple[str, ...]] = {}
         self._begin(ShownIo())
 
-    @property
-    def signals(self) -> tuple[Signal, ...]:
-        """All signals, with the newest names of their channels."""
-        return self._signals
-
     def add(self, now: float, state: PendantState) -> None:
         """Add a sample.
 
@@ -69,7 +64,7 @@ class Trends:
                 self._sizes = sizes
                 self._begin(state.io)
             elif state.io.labels is not self._labels:
-                self._signals = tuple(self._all_signals(state.io))
+                self.signals = tuple(self._all_signals(state.io))
             self._labels = state.io.labels
             row = self._count % SAMPLES
             self._times[row] = now
@@ -85,7 +80,7 @@ class Trends:
             window: Length, s.
         """
         with self._lock:
-            column = next((i for i, one in enumerate(self._signals) if one.key == key), -1)
+            column = next((i for i, one in enumerate(self.signals) if one.key == key), -1)
             if column < 0 or not self._count:
                 return np.empty(0), np.empty(0)
             rows = np.arange(max(0, self._count - SAMPLES), self._count) % SAMPLES
@@ -98,9 +93,10 @@ class Trends:
 
     def _begin(self, io: ShownIo) -> None:
         self._count = 0
-        self._signals = tuple(self._all_signals(io))
+        self.signals = tuple(self._all_signals(io))
+        """All of them, with the newest names of their channels."""
         self._times = np.zeros(SAMPLES)
-        self._values = np.full((SAMPLES, len(self._signals)), np.nan, np.float32)
+        self._values = np.full((SAMPLES, len(self.signals)), np.nan, np.float32)
 
     def _all_signals(self, io: ShownIo) -> Iterator[Signal]:
         axes = self._axes

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -16,8 +15,6 @@ from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import Texts
-from robots_controller.program.files.taught_points import TaughtPoint
-from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 from robots_core.orientation import angles_from_orientation
 from robots_core.pose import Pose
@@ -67,15 +64,10 @@ class _Row:
 
 
 class FrameChoice(Part):
-    """The base of the program, or one of its taught points, as its points file has them now.
+    """The base of the program, or one of its taught points, as its points file has them now."""
 
-    Args:
-        refused: Gets why the points cannot be read.
-    """
-
-    def __init__(self, viewer: Viewer, refused: Callable[[str], None]) -> None:
+    def __init__(self, viewer: Viewer) -> None:
         super().__init__(viewer)
-        self._refused = refused
         self._poses: dict[str, Pose] = {}
         self._changed = Changes()
         self._base = viewer.texts('jog.program_base')
@@ -96,13 +88,9 @@ class FrameChoice(Part):
         return file, when_written(file)
 
     def _read(self) -> dict[str, str]:
-        self._refused('')
+        self.line.show('')
         self._changed(*self._state())
-        points: Mapping[str, TaughtPoint] = {}
-        try:
-            points = self.operator.points()
-        except RobotsError as error:
-            self._refused(self.text.error(error))
+        points = self.read(self.operator.points) or {}
         self._poses = {name: points[name].pose for name in sorted(points)}
         return {'': self._base, **{name: name for name in self._poses}}
 
@@ -117,14 +105,14 @@ class JogPanel(Part):
             with ui.element('div').classes('choices'):
                 frames = {frame: text(f'jog.{frame}') for frame in (*JOG_FRAMES, TARGET)}
                 self._chosen = choices(frames, 'axes', self._choose)
-                self._taught = FrameChoice(viewer, self._refuse)
+                self._taught = FrameChoice(viewer)
                 with ui.element('div').classes('choice') as self._steps:
                     steps = {step: f'{step:g}' if step else '∞' for step in STEPS}
                     self._step = _small_choices(text('jog.step'), steps, STEPS[0])
                 with ui.element('div').classes('choice'):
                     speeds = {speed: f'{speed} %' for speed in SPEEDS}
                     self._speed = _small_choices(text('jog.speed'), speeds, FIRST_SPEED)
-            self.line = RefusalLine()
+            self.line = self._taught.line = RefusalLine()
             self._hint = ui.label(text('jog.hint')).classes('hint')
             self._rows_place = ui.element('div').classes('rows')
             self._target = TargetPanel(viewer, lambda: self.speed, self.line)
@@ -166,9 +154,6 @@ class JogPanel(Part):
     def taught(self) -> Array:
         """Orientation of the taught frame that is chosen, in the robot's base, (3, 3)."""
         return self._taught.pose.T
-
-    def _refuse(self, text: str) -> None:
-        self.line.show(text)
 
     def _build_rows(self) -> None:
         self._rows_place.clear()

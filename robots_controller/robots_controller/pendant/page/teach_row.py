@@ -90,11 +90,7 @@ class TeachRow(Part):
             return 'P1'
 
     def _show_points(self, chosen: str) -> None:
-        try:
-            names = sorted(self.operator.points())
-        except RobotsError as error:
-            self.line.show(self.text.error(error))
-            names = []
+        names = sorted(self.read(self.operator.points) or {})
         self._name.set_options(names, value=chosen if chosen in names else None)
 
     def refresh(self, state: PendantState) -> None:

@@ -109,6 +109,14 @@ class Part:
         self.viewer.refresh()
         return done or ()
 
+    def read(self, work: Callable[[], T]) -> T | None:
+        """What some work returns; None where it fails, and why is shown."""
+        try:
+            return work()
+        except RobotsError as error:
+            self.line.show(self.text.error(error))
+            return None
+
 
 class ActionButton(Part):
     """A button for an action; one that is not permitted is pale, and says why when it is pressed.

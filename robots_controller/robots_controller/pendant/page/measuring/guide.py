@@ -16,7 +16,6 @@ from robots_controller.pendant.page.elements import Changes, icon_button, mark, 
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.files.cell_frames import CellFrames, FrameKind, read_frames
-from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
 ICONS: Final = {'touched': 'check_circle', 'next': 'arrow_forward', 'later': 'radio_button_unchecked'}
@@ -75,15 +74,8 @@ class Guide(Part, ABC):
         """Show what was measured, and the names that the file has."""
         file = self.file()
         if self._file_changed(file, when_written(file)):
-            self.frames = self._read(file)
+            self.frames = self.read(partial(read_frames, file)) or CellFrames()
             self._name.set_autocomplete([*self.frames.names(self.kind)])
-
-    def _read(self, file: Path) -> CellFrames:
-        try:
-            return read_frames(file)
-        except RobotsError as error:
-            self.line.show(self.text.error(error))
-            return CellFrames()
 
 
 class TouchedPoints(Part):
