@@ -9,14 +9,14 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
+from read_texts import parse_io_map, parse_plc_script
 from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe, safe_value
 from robots_controller.io.io_conversion import InputValue, from_field, to_field
 from robots_controller.io.io_image import Channel, IoImage
-from robots_controller.io.io_map import IoRow, parse_io_map
+from robots_controller.io.io_map import IoRow
 from robots_controller.io.io_signals import parse_channel
 from robots_controller.io.number_kinds import INTEGERS
-from robots_controller.io.plc_script import parse_plc_script
 from robots_controller.io.scripted_plc import InputChange, ScriptedPlc
 from robots_core.errors import InvalidInputError
 

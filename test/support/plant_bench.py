@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable
 from unittest.mock import patch
 
+from read_texts import parse_io_map
 from robots_controller.io.bridge.io_bridge import IoBridge
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_map import IoMap, parse_io_map
+from robots_controller.io.io_map import IoMap
 from robots_controller.io.plant import plant_connection
 from robots_controller.io.plant.plant_connection import connect
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from cell_options import nodes_of_cell
+from read_texts import parse_io_map, parse_plc_script
 from robots_controller.control.stops.faults import Fault
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
-from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map
-from robots_controller.io.plc_script import parse_plc_script
+from robots_controller.io.io_map import OUTPUT_TIMEOUT
 from robots_controller.simulation.record.events import OutputChanged, ProgramStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from read_texts import parse_io_map
 from robots_controller.io.bridge.topic_field import TopicField
-from robots_controller.io.io_map import IoRow, parse_io_map, read_io_map
+from robots_controller.io.io_map import IoRow, read_io_map
 from robots_core.cell_interface.topic_qos import Profile
 from robots_core.errors import InvalidInputError
 

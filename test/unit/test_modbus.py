@@ -8,7 +8,7 @@ import pytest
 
 from plant_bench import PlantBench
 from plant_partners import Line, ModbusPartner
-from robots_controller.io.io_map import parse_io_map
+from read_texts import parse_io_map
 from robots_controller.io.plant.modbus import ModbusPlace, decoded, encoded
 from robots_core.errors import InvalidInputError
 

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from opcua_partners import certificate
 from plant_bench import DEADLINE, PlantBench
 from plant_partners import Line, MqttPartner
-from robots_controller.io.io_map import parse_io_map
+from read_texts import parse_io_map
 from robots_controller.io.plant.mqtt import JsonPointer
 from robots_core.errors import InvalidInputError
 

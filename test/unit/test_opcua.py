@@ -13,7 +13,7 @@ from asyncua import ua
 from opcua_partners import OpcuaPartner, OverflowMarks, certificate
 from plant_bench import PlantBench
 from plant_partners import Babbler, Line, Listening
-from robots_controller.io.io_map import parse_io_map
+from read_texts import parse_io_map
 from robots_core.errors import InvalidInputError
 
 MAP = """

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.io.plc_script import parse_plc_script, read_plc_script
+from read_texts import parse_plc_script
+from robots_controller.io.plc_script import read_plc_script
 from robots_core.errors import InvalidInputError
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'

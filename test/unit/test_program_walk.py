@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from read_texts import parse_plc_script
 from robots_controller.commands.command_table import CHECK_PROGRAM
-from robots_controller.io.plc_script import parse_plc_script
 from robots_controller.program_check.walk import WalkResult, input_combinations, walk_program
 
 ROBOT = 'kuka_kr210_r2700'

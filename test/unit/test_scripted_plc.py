@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from read_texts import parse_plc_script
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plc_script import parse_plc_script, read_plc_script
+from robots_controller.io.plc_script import read_plc_script
 from robots_controller.io.scripted_plc import InputChange, ScriptedPlc
 from robots_core.errors import InvalidInputError
 

@@ -18,8 +18,7 @@ from robots_controller.io.io_signals import channel_at, value_at
 from robots_controller.io.number_kinds import INTEGERS, bits_of
 from robots_controller.io.plant.protocols import PROTOCOLS, PlantServer, read_plant_place, read_servers
 from robots_core.errors import InvalidInputError
-from robots_core.files.user_file import read_text
-from robots_core.files.yaml_section import YamlSection, located, parse_yaml
+from robots_core.files.yaml_section import YamlSection, located, read_yaml
 
 HIGHEST_BIT: Final = 63
 LONGEST_TIME: Final = 3600.0  # s
@@ -102,16 +101,7 @@ def read_io_map(path: Path | str) -> IoMap:
     Raises:
         InvalidInputError: what is wrong, with file and line.
     """
-    return parse_io_map(read_text(path), Path(path).name)
-
-
-def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
-    """The map of a YAML text.
-
-    Raises:
-        InvalidInputError: what is wrong, with file and line.
-    """
-    section = parse_yaml(text, file)
+    section = read_yaml(path)
     declared = read_declarations(section)
     safe = dict(declared.fail_safe)
     known = _Known(declared.signals, safe, MappingProxyType(read_servers(section)))

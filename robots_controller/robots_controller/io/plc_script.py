@@ -11,8 +11,7 @@ from typing import Final, Literal
 from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import channel_at, value_at
-from robots_core.files.user_file import read_text
-from robots_core.files.yaml_section import YamlSection, located, parse_yaml
+from robots_core.files.yaml_section import YamlSection, located, read_yaml
 
 LONGEST_TIME: Final = 86400.0  # s
 SHORTEST_PERIOD: Final = 0.001  # s
@@ -109,16 +108,7 @@ def read_plc_script(path: Path | str) -> PlcScript:
     Raises:
         InvalidInputError: what is wrong, with file and line.
     """
-    return parse_plc_script(read_text(path), Path(path).name)
-
-
-def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
-    """The script of a YAML text.
-
-    Raises:
-        InvalidInputError: what is wrong, with file and line.
-    """
-    section = parse_yaml(text, file)
+    section = read_yaml(path)
     declared = read_declarations(section)
     signals = declared.signals
     start = dict(_setting(below, key, signals) for below, key in section.entries('initial'))
