@@ -1,5 +1,6 @@
 """Routes: parts of a path that were followed on their own, made one."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.pose import Pose
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.path_kinematics.route import FollowedPart, joined
+from robots_planning.path_kinematics.route import RoutePiece, joined
 from robots_planning.paths.cartesian_line import CartesianLine
 
 START = np.radians([10.0, -80.0, 100.0, -100.0, -80.0, 20.0])
@@ -26,15 +27,16 @@ def line(robot: BaseRobotModel) -> CartesianLine:
     return CartesianLine(start, Pose(start.r + np.array([0.05, 0.2, 0.1]), start.T))
 
 
-def parts_of(robot: BaseRobotModel, line: CartesianLine) -> list[FollowedPart]:
+def parts_of(robot: BaseRobotModel, line: CartesianLine) -> list[RoutePiece]:
     """The line in three parts, the middle one very short and the first two followed backwards."""
     kinematics = PathInverseKinematics(robot)
     whole = kinematics.follow(line, START)
     parts = []
     for begin, end in pairwise(BREAKS):
         first, last = (end, begin) if end < 0.5 else (begin, end)
-        samples = kinematics.follow_far(line.part(first, last), whole.evaluate([first])[0][0]).samples
-        part = FollowedPart(samples, first, last)
+        followed, _ = kinematics.follow_far(line.part(first, last), whole.evaluate([first])[0][0])
+        assert followed is not None
+        part = replace(followed, begin=first, end=last)
         parts.append(part if first < last else part.backwards())
     return parts
 
@@ -52,8 +54,8 @@ def test_parts_are_the_whole(robot: BaseRobotModel, line: CartesianLine) -> None
 def test_ends_are_exact(robot: BaseRobotModel, line: CartesianLine) -> None:
     parts = parts_of(robot, line)
     joints = joined(parts).joints
-    np.testing.assert_array_equal(joints.q[0], parts[0].first)
-    np.testing.assert_array_equal(joints.q[-1], parts[-1].samples[1][-1])
+    np.testing.assert_array_equal(joints.q[0], parts[0].joints.q[0])
+    np.testing.assert_array_equal(joints.q[-1], parts[-1].joints.q[-1])
     assert (np.diff(joints.s) > 0.0).all()
 
 

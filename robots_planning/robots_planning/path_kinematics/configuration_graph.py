@@ -10,7 +10,7 @@ from robots_core.errors import NoAnalyticInverseKinematicsError, PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.path_kinematics.route import Route, RoutePiece, joined
+from robots_planning.path_kinematics.route import Route, RoutePiece
 from robots_planning.path_kinematics.self_motion_kernel import (
     MAX_CONFIGURATIONS,
     fastest_sequence,
@@ -57,14 +57,14 @@ class ConfigurationGraph:
                 which the path is possible.
         """
         found: list[Route] = []
-        part = self._kinematics.follow_far(path, start, inside_limits=True)
-        if part.end == 1.0:
-            found.append((joined([part]),))
+        part, blocked = self._kinematics.follow_far(path, start, inside_limits=True)
+        if part is not None and part.end == 1.0:
+            found.append((part,))
         if self._axes.num_axes > 6:
             guided = self._guided(path, start)
             if guided is not None:
                 found.append((RoutePiece(guided, 0.0, 1.0),))
-        elif part.blocked and self._passage is not None:
+        elif blocked and self._passage is not None:
             found.extend(self._passage.routes(path, start, part))
         if not found:
             raise self._explained(path, start)

@@ -34,7 +34,7 @@ from robots_planning.path_kinematics.path_following_kernel import (
     JointSamples,
     follow,
 )
-from robots_planning.path_kinematics.route import FollowedPart
+from robots_planning.path_kinematics.route import RoutePiece
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 
@@ -108,13 +108,20 @@ class PathInverseKinematics:
             )
         raise self._blocked(path, fraction, q[count - 1].copy())
 
-    def follow_far(self, path: CartesianPath, start: Array, *, inside_limits: bool = False) -> FollowedPart:
-        """Follow as far as possible; axis limits are ignored unless `inside_limits`."""
+    def follow_far(
+        self, path: CartesianPath, start: Array, *, inside_limits: bool = False
+    ) -> tuple[RoutePiece | None, bool]:
+        """Follow as far as possible; axis limits are ignored unless `inside_limits`.
+
+        Returns:
+            What was followed, None if not even one step was possible; and whether no further one is possible
+            at its end: a singularity, or out of reach.
+        """
         result, count = self._fill(path, start, self.limits if inside_limits else self._endless)
         blocked = result in {BLOCKED, SINGULAR_START}
         if count < 2:
-            return FollowedPart(None, 0.0, 0.0, blocked)
-        return FollowedPart(self._filled(count), 0.0, float(self._samples[0][count - 1]), blocked)
+            return None, blocked
+        return RoutePiece(JointPath(*self._filled(count)), 0.0, float(self._samples[0][count - 1])), blocked
 
     def follow_guided(
         self, path: CartesianPath, start: Array, breaks: Array, guide: Array, pull: float

@@ -20,12 +20,18 @@ class RoutePiece:
     Attributes:
         joints: The joint path.
         begin: s of the whole path where the part starts.
-        end: s where it ends; equal to `begin` if the tool stands still while the configuration changes.
+        end: s where it ends; equal to `begin` if the tool stands still while the configuration changes, less
+            than it if the part was followed backwards.
     """
 
     joints: JointPath
     begin: float
     end: float
+
+    def backwards(self) -> RoutePiece:
+        """The same piece, traversed from its end to its start."""
+        s, q, q_s, q_ss = (values[::-1] for values in self.joints.samples)
+        return RoutePiece(JointPath(1.0 - s, q, -q_s, q_ss), self.end, self.begin)
 
     def turned(self, turn: Array) -> RoutePiece:
         """The same piece with a constant `turn`, (n,) rad, added to the joint positions."""
@@ -40,45 +46,14 @@ class RoutePiece:
 Route = tuple[RoutePiece, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class FollowedPart:
-    """A part of a path that was followed, with samples over an s of its own from 0 to 1.
-
-    Attributes:
-        samples: None if not even one step was possible.
-        begin: s of the whole path at its start.
-        end: s of the whole path at its end; less than `begin` if it was followed backwards.
-        blocked: Whether no further step is possible at its end: a singularity, or out of reach.
-    """
-
-    samples: JointSamples | None
-    begin: float
-    end: float
-    blocked: bool = False
-
-    def backwards(self) -> FollowedPart:
-        """The same part, traversed from its end to its start."""
-        assert self.samples is not None
-        s, q, q_s, q_ss = (values[::-1] for values in self.samples)
-        return FollowedPart((1.0 - s, q, -q_s, q_ss), self.end, self.begin)
-
-    @property
-    def first(self) -> Array:
-        """Joint positions at its start, (n,)."""
-        assert self.samples is not None
-        q: Array = self.samples[1][0]
-        return q
-
-
-def joined(parts: Sequence[FollowedPart]) -> RoutePiece:
+def joined(parts: Sequence[RoutePiece]) -> RoutePiece:
     """One piece made of consecutive parts; each starts at the joint positions where the one before ends."""
     begin, end = parts[0].begin, parts[-1].end
     pieces: list[JointSamples] = []
     for part in parts:
-        assert part.samples is not None
         share = (part.end - part.begin) / (end - begin)
         # The first sample of a later part is the last one of the part before.
-        s, q, q_s, q_ss = (values[1:] if pieces else values for values in part.samples)
+        s, q, q_s, q_ss = (values[1:] if pieces else values for values in part.joints.samples)
         pieces.append(((part.begin - begin) / (end - begin) + share * s, q, q_s / share, q_ss / share**2))
     s, q, q_s, q_ss = (np.concatenate(values) for values in zip(*pieces, strict=True))
     s[0], s[-1] = 0.0, 1.0

@@ -1,7 +1,7 @@
 """SingularityPassage: routes of six axes through a singularity, where the configuration may change."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.path_kinematics.route import FollowedPart, Route, RoutePiece, joined, turn_between
+from robots_planning.path_kinematics.route import Route, RoutePiece, joined, turn_between
 from robots_planning.paths.cartesian_path import CartesianPath
 
 BESIDE = 0.02  # of the path after a singularity, where branches are sampled and followed back towards it
@@ -28,12 +28,12 @@ class _Branch:
     Attributes:
         q: Joint positions of the first one, after the singularity, (n,).
         turns: Full turns from there to each of them, (k, n).
-        back: Followed parts from next to the singularity to `q`.
+        back: Followed pieces from next to the singularity to `q`.
     """
 
     q: Array
     turns: Array
-    back: tuple[FollowedPart, ...]
+    back: tuple[RoutePiece, ...]
 
 
 class SingularityPassage:
@@ -50,17 +50,16 @@ class SingularityPassage:
     def __init__(self, kinematics: PathInverseKinematics, analytic: AnalyticalInverseKinematic) -> None:
         self._kinematics, self._analytic = kinematics, analytic
 
-    def routes(self, path: CartesianPath, start: Array, before: FollowedPart) -> list[Route]:
+    def routes(self, path: CartesianPath, start: Array, before: RoutePiece | None) -> list[Route]:
         """Routes along a path on which following from `start` ends in a singularity.
 
         Args:
             path: The path.
             start: Joint positions at its start, (n,).
-            before: The part of the path up to the singularity.
+            before: The part of the path up to the singularity; None if it starts there.
         """
-        place = before.end
-        first = (joined([before]),) if before.samples is not None else ()
-        turning = first[0].joints.q[-1] if first else start
+        first: Route = () if before is None else (before,)
+        place, turning = (0.0, start) if before is None else (before.end, before.joints.q[-1])
         middle = place + BESIDE * (1.0 - place)
         branches = [_Branch(*alike, ()) for alike in self._full_turns_apart(path.pose(middle))]
         ahead = path.part(middle, 1.0)
@@ -94,14 +93,14 @@ class SingularityPassage:
         parts: dict[float, CartesianPath] = {}
         for branch in branches:
             begin = branch.back[0].begin if branch.back else middle
-            q = branch.back[0].first if branch.back else branch.q
+            q = branch.back[0].joints.q[0] if branch.back else branch.q
             if begin not in parts:
                 parts[begin] = path.part(begin, end)
-            further = self._kinematics.follow_far(parts[begin], q)
+            further, _ = self._kinematics.follow_far(parts[begin], q)
             back = branch.back
-            if further.samples is not None:
+            if further is not None:
                 reached = begin + further.end * (end - begin)
-                back = (FollowedPart(further.samples, begin, reached).backwards(), *back)
+                back = (replace(further, begin=begin, end=reached).backwards(), *back)
             if back and back[0].begin - end <= LARGEST_GAP:
                 yield _Branch(branch.q, branch.turns, back)
 
@@ -118,16 +117,16 @@ class SingularityPassage:
             ahead: The path after the singularity.
         """
         still = np.empty(len(branch.turns), dtype=np.bool_)
-        ends = branch.back[0].first + branch.turns
+        ends = branch.back[0].joints.q[0] + branch.turns
         begin = np.array(turning)  # read-only arrays would be compiled for once more
         limits = self._kinematics.limits
         stand_still(self._kinematics.chain.arrays, limits, path.arrays, place, begin, ends, still)
         if not still.any():
             return
-        rest = self._kinematics.follow_far(ahead, branch.q)
-        if rest.end < 1.0:
+        rest, _ = self._kinematics.follow_far(ahead, branch.q)
+        if rest is None or rest.end < 1.0:
             return
-        onward = joined([*branch.back, FollowedPart(rest.samples, branch.back[-1].end, 1.0)])
+        onward = joined([*branch.back, replace(rest, begin=branch.back[-1].end)])
         for turn in branch.turns[still]:
             piece = onward.turned(turn)
             if stays_inside(limits, piece.joints.samples):
