@@ -29,7 +29,6 @@ def paths() -> dict[str, CartesianPath]:
     return {
         'line': CartesianLine(a, b),
         'arc': CircularArc(a, b, c),
-        'arc along path': CircularArc(a, b, c, orientation='along_path'),
         'circle': CircularArc(a, b, a, second_via=c),
         'spline of 2': PoseSpline([a, b]),
         'spline of 3': PoseSpline([a, b, c]),
@@ -140,13 +139,6 @@ def test_a_full_circle_passes_both_via_points_in_order_and_closes() -> None:
         np.testing.assert_allclose(circle.pose(s).r, pose.r, atol=1e-15)
 
 
-def test_along_the_path_the_tool_keeps_its_angle_to_the_tangent() -> None:
-    arc = CircularArc(*random_poses(7, 3), orientation='along_path')
-    samples = arc.sample(np.linspace(0.0, 1.0, 50))
-    seen = np.einsum('mji,mj->mi', samples.T, samples.x_s[:, :3])
-    np.testing.assert_allclose(seen, np.broadcast_to(seen[0], seen.shape), atol=1e-12)
-
-
 def test_a_spline_passes_every_pose() -> None:
     poses = random_poses(8, 7)
     spline = PoseSpline(poses)
@@ -214,8 +206,6 @@ def test_a_circle_that_does_not_close_is_refused() -> None:
         CircularArc(start, via, second, second_via=points((0.0, -1.0, 0.0))[0])
     with pytest.raises(InvalidInputError, match='second via'):
         CircularArc(start, via, start, second_via=via)
-    with pytest.raises(InvalidInputError, match='valid are interpolated and along_path'):
-        CircularArc(start, via, second, orientation='sideways')  # type: ignore[arg-type]
 
 
 def test_a_spline_needs_different_poses() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,7 @@ from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_core.robot_model.analytic.configuration import Configuration
+from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_planning import LinearCartesianDynamicProgramming, LinearCartesianLimited, Trajectory, verify
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
@@ -58,7 +60,11 @@ def test_faster_than_limited_lines_with_the_same_limits(name: str) -> None:
         'rotation_speed': 1.0,
         'rotation_acceleration': 5.0,
     }
-    fast = LinearCartesianDynamicProgramming(robot, torque=False, **limits).generate(q, target)
+
+    class Strong(WrappedRobot):
+        axes_data = replace(robot.axes_data, effort=1e6 * robot.axes_data.effort)
+
+    fast = LinearCartesianDynamicProgramming(Strong(robot), **limits).generate(q, target)
     assert fast.duration < LinearCartesianLimited(robot, **limits).generate(q, target).duration
     check(LinearCartesianDynamicProgramming(robot, **limits).generate(q, target), robot, start, target)
 

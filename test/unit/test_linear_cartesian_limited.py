@@ -7,9 +7,10 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_planning import LinearCartesianLimited, verify
+from robots_planning.trajectory_generators import cartesian_generator
+from robots_planning.trajectory_generators.cartesian_generator import LONGEST_SMOOTHING as WINDOW
 
 KUKA = 'kuka_kr210_r2700'
-WINDOW = 0.008  # s, the default smoothing
 
 
 @pytest.fixture(scope='module')
@@ -79,13 +80,16 @@ def test_rotation_limits_alone_give_a_trapezoid(robot: BaseRobotModel) -> None:
     assert verify(trajectory, robot, line=(start, target)).ok
 
 
-def test_smoothing_loses_little_against_the_unsmoothed_optimum(robot: BaseRobotModel) -> None:
+def test_smoothing_loses_little_against_the_unsmoothed_optimum(
+    robot: BaseRobotModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
     q = bent(robot)
     _, target = moved(robot, q, [-0.1, 0.1, -0.25], [0.2, 0.0, 0.3])
     fast = {'cartesian_speed': 50.0, 'cartesian_acceleration': 500.0}
     turning = {'rotation_speed': 50.0, 'rotation_acceleration': 500.0}
     smooth = LinearCartesianLimited(robot, **fast, **turning).generate(q, target)
-    sharp = LinearCartesianLimited(robot, smoothing=0.004, **fast, **turning).generate(q, target)
+    monkeypatch.setattr(cartesian_generator, 'LONGEST_SMOOTHING', 0.004)
+    sharp = LinearCartesianLimited(robot, **fast, **turning).generate(q, target)
     assert smooth.duration <= 1.05 * sharp.duration + WINDOW
 
 
@@ -178,8 +182,7 @@ def test_bad_input_is_refused(robot: BaseRobotModel) -> None:
 
 
 @pytest.mark.parametrize(
-    'option',
-    ['cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration', 'smoothing'],
+    'option', ['cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration']
 )
 @pytest.mark.parametrize('value', [0.0, -1.0, np.nan, np.inf])
 def test_options_must_be_positive(kuka: BaseRobotModel, option: str, value: float) -> None:

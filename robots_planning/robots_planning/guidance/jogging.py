@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,9 +29,7 @@ class Jogging:
         busy: A motion is planned or runs: no jogging.
         reference: The newest joint positions (n,) of the controller's reference; None for none since the
             last call.
-        speed_fraction: Part of the velocity limits to use, in (0, 1].
-        tool_speed: Highest speed of the tool, m/s.
-        timeout: Age of a command at which the robot stops, s.
+        options: Speeds and timeout; see `TeachBox`.
 
     Raises:
         InvalidInputError: an option out of its range.
@@ -43,20 +42,10 @@ class Jogging:
         standing: Callable[[], Array],
         busy: Callable[[], bool],
         reference: Callable[[], Array | None],
-        speed_fraction: float = 0.1,
-        tool_speed: float = 0.25,
-        timeout: float = 0.1,
+        **options: Any,
     ) -> None:
         self._standing, self._busy, self._reference = standing, busy, reference
-        self._timeout = timeout
-        self._make_box = partial(
-            TeachBox,
-            robot,
-            1.0 / JOG_RATE,
-            speed_fraction=speed_fraction,
-            tool_speed=tool_speed,
-            timeout=timeout,
-        )
+        self._make_box = partial(TeachBox, robot, 1.0 / JOG_RATE, **options)
         self._tool, self._hold = Pose.identity(), ''
         # Made at the start, so that jogging does not wait for it.
         self._next_box: TeachBox | None = self._make_box(q=robot.home)
@@ -118,9 +107,10 @@ class Jogging:
         self.active = False
 
     def _jog(self, command: Array, age: float, put: Callable[[TeachBox], None]) -> bool:
-        if age > self._timeout:
+        timeout = self._box.timeout
+        if age > timeout:
             raise PlanningError(
-                f'the command is {age:.3g} s old, allowed is {self._timeout:g} s: are the clocks the same?',
+                f'the command is {age:.3g} s old, allowed is {timeout:g} s: are the clocks the same?',
                 age=age,
             )
         if not np.isfinite(command).all():

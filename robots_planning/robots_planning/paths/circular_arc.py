@@ -1,13 +1,11 @@
 """CircularArc: an arc or a full circle of the tool."""
 
-from typing import Literal, get_args
-
 import numpy as np
 
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
-from robots_core.validation import Array, one_of, read_only
+from robots_core.validation import Array, read_only
 from robots_planning.paths.cartesian_path import (
     CartesianPath,
     check_apart,
@@ -18,38 +16,26 @@ from robots_planning.paths.cartesian_path import (
 # Smallest sine of the angle between the chords from the start to the other two points.
 SMALLEST_SINE = 1e-6
 
-Orientation = Literal['interpolated', 'along_path']
-
 
 class CircularArc(CartesianPath):
     """The position moves on the circle through three points at a constant rate.
+
+    The orientation turns at a constant rate about one fixed axis, by at most half a turn.
 
     Args:
         start: Pose at s = 0.
         via: A point on the arc between start and end; its orientation is not used.
         end: Pose at s = 1. For a full circle its position is the start's.
         second_via: For a full circle a second point, passed after `via`; otherwise None.
-        orientation: 'interpolated': rotation at a constant rate about one fixed axis, by at most half a turn,
-            from the orientation of `start` to that of `end`. 'along_path': rotation with the tangent, to
-            which the tool keeps its angle; the orientation of `end` is not used.
 
     Raises:
-        InvalidInputError: points that coincide or lie on a line, a second via point without a full circle, a
-            full circle without one, or an unknown orientation; names the points.
+        InvalidInputError: points that coincide or lie on a line, a second via point without a full circle, or
+            a full circle without one; names the points.
     """
 
     kind = 'arc'
 
-    def __init__(
-        self,
-        start: Pose,
-        via: Pose,
-        end: Pose,
-        *,
-        second_via: Pose | None = None,
-        orientation: Orientation = 'interpolated',
-    ) -> None:
-        one_of('orientation', get_args(Orientation))(orientation)
+    def __init__(self, start: Pose, via: Pose, end: Pose, *, second_via: Pose | None = None) -> None:
         third, names = _third_point(start, end, second_via)
         self.center, self.normal, self.radius = circle_through(start, via, third, names)
         out = start.r - self.center
@@ -59,10 +45,7 @@ class CircularArc(CartesianPath):
             self.arc_angle = float(np.arctan2(to_end @ side, to_end @ out) % (2.0 * np.pi))
         else:
             self.arc_angle = 2.0 * np.pi
-        if orientation == 'along_path':
-            rotation = self.arc_angle * self.normal
-        else:
-            rotation = rotation_vector(end.T @ start.T.T)
+        rotation = rotation_vector(end.T @ start.T.T)
         pieces = empty_pieces(1)
         _, position, arc, rate, turn, T = pieces
         position[0, 0] = self.center

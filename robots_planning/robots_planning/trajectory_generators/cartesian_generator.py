@@ -32,7 +32,9 @@ Planner = Literal['limited', 'dynamic_programming']
 TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
 """Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
 
-SMOOTHING_SHARE: Final = 0.005  # of the duration that smoothing may add
+# Of acceleration, by 'limited' without jerk limits: part of the duration, which is longer by it, and at most.
+SMOOTHING_SHARE: Final = 0.005
+LONGEST_SMOOTHING: Final = 0.008  # s
 STILL: Final = 1e-9  # rad (m)
 
 
@@ -51,11 +53,8 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: Highest angular speed of the tool, rad/s.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
         jerk_limited: Keep the axes' jerk limits too.
-        smoothing: Longest smoothing of acceleration by 'limited' without jerk limits, s; at most a
-            two-hundredth of the duration is used, and the motion is longer by that much.
         planner: 'limited' keeps the limits of velocity and acceleration; 'dynamic_programming' those of the
             axes' torque too, and chooses among configurations (see `ConfigurationGraph`).
-        torque: Keep the axes' torque limits. For planner 'dynamic_programming' only.
         options: See `TrajectoryGenerator`.
 
     Raises:
@@ -74,9 +73,7 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: float | None = 1.5,
         rotation_acceleration: float | None = 6.0,
         jerk_limited: bool = False,
-        smoothing: float = 0.008,
         planner: Planner = 'limited',
-        torque: bool = True,
         **options: Any,
     ) -> None:
         super().__init__(robot, **options)
@@ -90,16 +87,15 @@ class CartesianGenerator(TrajectoryGenerator):
         self._tool_limits = np.array(
             [np.inf if value is None else positive(value, name, unit) for name, value, unit in motion]
         )
-        fastest = one_of('planner', get_args(Planner))(planner) == 'dynamic_programming'
-        self.keeps_torque = fastest and torque
+        fastest = self.keeps_torque = one_of('planner', get_args(Planner))(planner) == 'dynamic_programming'
         if self.hold == POSE and fastest:
             self.configuration_graph = ConfigurationGraph(self.path_kinematics)
-        smoothed = {'ramp': SMOOTHING_SHARE, 'longest_ramp': positive(smoothing, 'smoothing', 's')}
+        smoothed = {'ramp': SMOOTHING_SHARE, 'longest_ramp': LONGEST_SMOOTHING}
         self._timing = TimeOptimalTiming(
             robot,
             self.velocity,
             self.acceleration,
-            robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None,
+            robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if fastest else None,
             jerk=self.jerk if jerk_limited else None,
             **{} if fastest else smoothed,
         )
