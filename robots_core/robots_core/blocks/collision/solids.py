@@ -114,7 +114,7 @@ def solids_of(name: str, geometry: Geometry, frame: int, pose: Pose) -> tuple[So
     """A geometry as solids: a mesh is split into its connected pieces; a convex piece becomes its hull."""
     if not isinstance(geometry, Mesh):
         return (Solid(name, geometry, frame, pose),)
-    pieces: list[tuple[Mesh, bool]] = _mesh_pieces().pieces_of(geometry, hull_excess=HULL_EXCESS, flat=FLAT)
+    pieces: list[tuple[Mesh, bool]] = _mesh_pieces().pieces_of(geometry)
     return tuple(Solid(name, piece, frame, pose, convex) for piece, convex in pieces)
 
 
