@@ -13,12 +13,7 @@ SHOWN: Final = 60
 
 
 class InputValue:
-    """Value of one input, from what arrives for it and the time.
-
-    Args:
-        row: The input.
-        start: When it began to wait for messages, s.
-    """
+    """Value of one input, from what arrives for it and the time; it waits for messages from `start` on, s."""
 
     def __init__(self, row: IoRow, start: float) -> None:
         self.row = row

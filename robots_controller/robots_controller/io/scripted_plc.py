@@ -48,10 +48,6 @@ class ScriptedPlc:
     What is due is done in the order of time, and at the same time in the order in which it was triggered.
     Times count from the trigger itself, not from the step in which it was noticed. Outputs are read as a PLC
     reads them: `output` collects their changes, and the next step acts on each in turn.
-
-    Args:
-        script: The rules.
-        start: The time at which the PLC starts, s.
     """
 
     def __init__(self, script: PlcScript, start: float = 0.0) -> None:
@@ -102,9 +98,6 @@ class ScriptedPlc:
 
     def step(self, now: float) -> list[InputChange]:
         """Do what was due up to now, then act on the changes of outputs that were collected.
-
-        Args:
-            now: s, not before the last step.
 
         Returns:
             The inputs that changed, in order; one may change several times.

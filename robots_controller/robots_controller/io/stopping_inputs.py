@@ -109,11 +109,7 @@ def closed_zones(closing: Closing, image: Sequence[int]) -> frozenset[str]:
 
 
 def closing_inputs(zones: Iterable[Zone], signals: Mapping[str, Channel]) -> Closing:
-    """What closes each zone that can be opened.
-
-    Args:
-        zones: Of a scene.
-        signals: Names of channels.
+    """What closes each zone of a scene that can be opened.
 
     Raises:
         InvalidInputError: a zone names what is no digital input.
@@ -163,20 +159,12 @@ def parse_closing(texts: Iterable[str]) -> Closing:
 
 
 def unknown_label(unknown: Mapping[Channel, str]) -> str:
-    """The label of an image, such as 'digital_input.2: plc/inputs has sent no value yet'.
-
-    Args:
-        unknown: Why the values of inputs are not known, for a person.
-    """
+    """The label of an image, such as 'digital_input.2: plc/inputs has sent no value yet'."""
     return BETWEEN.join(f'{channel.name}{AFTER_NAME}{why}' for channel, why in unknown.items())
 
 
 def unknown_inputs(labels: Iterable[str]) -> dict[int, str]:
-    """Why the values of digital inputs are not known, by their indices from 1 on; other labels are ignored.
-
-    Args:
-        labels: Of the dimensions of an image.
-    """
+    """Why values of digital inputs are not known, by their indices from 1 on, from the labels of an image."""
     found: dict[int, str] = {}
     for label in labels:
         for text in label.split(BETWEEN):

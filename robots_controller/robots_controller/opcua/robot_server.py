@@ -29,16 +29,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 
 class RobotServer:
-    """Listens until it is closed.
-
-    Args:
-        robot: The robot.
-        port: The cell, for the methods and outputs.
-        settings: Who may do what.
-        programs: Folder of the robot programs that clients may load.
-        host: Address to listen at.
-        tcp_port: Port there.
-        log: Gets what is to be logged, in any thread.
+    """Listens until it is closed; `log` is called in any thread.
 
     Raises:
         InvalidInputError: a port that is taken, a host that this machine does not have, or certificates that

@@ -43,11 +43,7 @@ NOBODY: Final = _NoPermissions()
 
 
 class ServerAccess(PermissionRuleset):  # type: ignore[misc]
-    """Known users and certificates; asyncua asks it.
-
-    Args:
-        settings: Who may do what.
-        log: Gets who was refused, in any thread.
+    """Known users and certificates; asyncua asks it. `log` gets who was refused, in any thread.
 
     Raises:
         InvalidInputError: a file that cannot be read.

@@ -56,11 +56,7 @@ def ready_state(state: RunState) -> str:
 class TaskControl:
     """The methods; each waits for the cell's answer.
 
-    Args:
-        port: The cell.
-        programs: Folder of the robot programs that clients may load.
-        state: What is known of the cell now.
-        log: Gets what the cell has refused, and why.
+    `state` gives what is known of the cell now; `log` gets what the cell has refused, and why.
     """
 
     def __init__(
@@ -123,10 +119,7 @@ class TaskControl:
         return status
 
     def unload(self, name: str | None = None) -> Status:
-        """Close the program, so that none is loaded.
-
-        Args:
-            name: Of the program that is closed only if it is loaded; by default the one that is.
+        """Close the program, so that none is loaded; with a name only if that one is.
 
         Raises:
             InvalidInputError: a name that is neither loaded nor in the folder.

@@ -19,12 +19,7 @@ class ControlDesk:
         """Gets who has taken control, for a log."""
 
     def take(self, viewer: str, *, address: str = '', from_other: bool = False) -> None:
-        """Take control.
-
-        Args:
-            viewer: Who.
-            address: Of its browser.
-            from_other: On purpose, from a viewer that has it.
+        """Take control, with `from_other` also from a viewer that has it.
 
         Raises:
             NotPermittedError: another one has it.

@@ -90,12 +90,7 @@ class LoginAttempts:
         self._wrong: OrderedDict[str, tuple[int, float]] = OrderedDict()  # how many, and when the last, s
 
     def delay(self, address: str, now: float) -> float:
-        """Time until an address may try again, s; 0: now.
-
-        Args:
-            address: IP address of the viewer.
-            now: Time, s.
-        """
+        """Time until an IP address may try again, s; 0: now."""
         count, last = self._of(address, now)
         delay = min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** (count - 1)) if count else 0.0
         return max(0.0, last + delay - now)

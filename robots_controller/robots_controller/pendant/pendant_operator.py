@@ -132,13 +132,7 @@ class PendantOperator:
         return self._prediction.ahead(jog, state.q, state.jog_speeds, state.settings)
 
     def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview | None:
-        """Plan the motion to a typed target, and show its end in the 3D view.
-
-        Args:
-            viewer: Who.
-            way: How the target is given and reached.
-            values: See `target_command`.
-            speed: Part of the highest jog speed, 0..1.
+        """Plan the motion to a typed target, see `target_command`, and show its end in the 3D view.
 
         Returns:
             The motion; None if the target was forgotten while it was planned.
@@ -200,14 +194,10 @@ class PendantOperator:
         self.teaching.teach(self._points_file, name, standing(self._port, self.state))
 
     def insert_motion(self, viewer: str, file: str, line: int, motion: Motion, names: Sequence[str]) -> int:
-        """Teach where the robot stands, insert a motion to it, and open the program again.
+        """Teach where the robot stands, insert a motion to it after a line, and open the program again.
 
-        Args:
-            viewer: Who.
-            file: Name of the program, or of a subprogram.
-            line: The motion comes after this line; the line of the motion is returned.
-            motion: Its kind.
-            names: Of its points, see `Teaching.insert`.
+        Returns:
+            The line of the motion; for the names of its points see `Teaching.insert`.
         """
         self.check(viewer, Action.EDIT)
         program, q = Path(self.state.program.path), standing(self._port, self.state)
@@ -223,13 +213,7 @@ class PendantOperator:
         self._reopen()
 
     def save_program(self, viewer: str, file: str, before: str, after: str) -> tuple[ProgramProblem, ...]:
-        """Save a program that was edited, open it again, and check it.
-
-        Args:
-            viewer: Who.
-            file: Name of the program, or of a subprogram.
-            before: Its text when editing began.
-            after: Its new text.
+        """Save a file of the program whose text was `before` when editing began, open it again, and check it.
 
         Returns:
             What is wrong with the program.

@@ -41,9 +41,7 @@ class PendantPort(ProgramPort, Protocol):
     def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
         """Command a motion as the commander PENDANT.
 
-        Args:
-            command: The motion.
-            done: Called from any thread when it has ended, with why it has not reached its target.
+        `done` is called from any thread when it has ended, with why it has not reached its target.
         """
 
     def end_move(self) -> None:

@@ -83,12 +83,7 @@ class ShownIo:
     forced: frozenset[str] = frozenset()
 
     def found(self, image: str, part: str = '') -> list[Channel]:
-        """Channels of an image whose name or number contains a part; '' finds all.
-
-        Args:
-            image: One of `IMAGES`.
-            part: A number finds the channels with just that number or a name that contains it.
-        """
+        """Channels of one of `IMAGES` whose name contains a part, or whose number it is; '' finds all."""
         labels, wanted = self.labels.get(image, ()), part.strip().casefold()
         channels = [
             Channel.of(image, index, labels[index - 1] if index <= len(labels) else '')

@@ -23,11 +23,7 @@ def program_files(folder: Path) -> list[str]:
 
 
 def read_program(path: str, file: str) -> str:
-    """The text of a program, or of a file of its folder that it loads.
-
-    Args:
-        path: Of the program.
-        file: Name of the file that is wanted.
+    """The text of a program, or of a file of its folder that it loads, by its name.
 
     Raises:
         InvalidInputError: it cannot be read.

@@ -19,13 +19,7 @@ ROBOTS: Final = 'robots_controller.commands.robots'
 
 
 class Recording:
-    """Records all topics of a cell by a process of its own: writing does not hold up the page.
-
-    Args:
-        folder: Where the bags are.
-        robot: The robot's name.
-        namespace: Of the cell.
-    """
+    """Records all topics of a cell by a process of its own: writing does not hold up the page."""
 
     def __init__(self, folder: Path, robot: str, namespace: str = '/') -> None:
         self._folder, self._robot, self._namespace = folder, robot, namespace

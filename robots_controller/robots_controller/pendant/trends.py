@@ -38,11 +38,7 @@ class Signal:
 
 
 class Trends:
-    """Keeps the last minutes of all signals, in memory that is bounded. Safe from any thread.
-
-    Args:
-        axes: Of the robot.
-    """
+    """Keeps the last minutes of all signals, in memory that is bounded. Safe from any thread."""
 
     def __init__(self, axes: AxesData) -> None:
         self._axes = axes
@@ -52,12 +48,7 @@ class Trends:
         self._begin(ShownIo())
 
     def add(self, now: float, state: PendantState) -> None:
-        """Add a sample.
-
-        Args:
-            now: Time, s.
-            state: Of the cell.
-        """
+        """Add a sample of the state at a time, s."""
         sizes = tuple(min(len(state.io.values.get(image, ())), MOST_CHANNELS) for image in IMAGES)
         with self._lock:
             if sizes != self._sizes:
@@ -73,11 +64,9 @@ class Trends:
             self._count += 1
 
     def curve(self, key: str, window: float) -> tuple[Array, Array]:
-        """Times (s, up to 0 for now) and values of a signal, oldest first; those missing are left out.
+        """Times (s, up to 0 for now) and values of a signal in a window, s, oldest first.
 
-        Args:
-            key: Of the signal.
-            window: Length, s.
+        Values that are missing are left out.
         """
         with self._lock:
             column = next((i for i, one in enumerate(self.signals) if one.key == key), -1)

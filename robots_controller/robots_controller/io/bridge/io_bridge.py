@@ -29,11 +29,7 @@ class Outputs(Protocol):
 
 
 class Problems:
-    """What is wrong now, by keys; a problem that comes and goes is logged at most once in `LOG_AGAIN`.
-
-    Args:
-        log: Logs a warning.
-    """
+    """What is wrong now, by keys; a problem that comes and goes is logged at most once in `LOG_AGAIN`."""
 
     def __init__(self, log: Callable[[str], None]) -> None:
         self._log = log
@@ -46,14 +42,7 @@ class Problems:
         return '; '.join(self._now.values())
 
     def set(self, key: str, problem: str, now: float, *, lost: int = 0) -> None:
-        """Set or, with '', clear a problem.
-
-        Args:
-            key: The same for the same problem.
-            problem: What is wrong.
-            now: s.
-            lost: Values that were lost by it.
-        """
+        """Set or, with '', clear the problem of a key, by which so many values were lost."""
         if not problem:
             self._now.pop(key, None)
             return
@@ -68,13 +57,7 @@ class Problems:
             self._logged[key] = last, times + (lost or 1)
 
     def replace(self, prefix: str, problems: Mapping[str, str], now: float) -> None:
-        """Set all problems of one origin; those that it has no more are cleared.
-
-        Args:
-            prefix: Of the origin's keys.
-            problems: What is wrong, by the rest of the key.
-            now: s.
-        """
+        """Set all problems of one origin, whose keys have a prefix; those that it has no more are cleared."""
         for key in [key for key in self._now if key.startswith(prefix)]:
             if key.removeprefix(prefix) not in problems:
                 self.set(key, '', now)
@@ -184,13 +167,7 @@ class IoBridge:
     # -- outputs ----------------------------------------------------------------------------------
 
     def send_outputs(self, outputs: Outputs, now: float, *, lost: bool) -> None:
-        """Send the places whose values have changed.
-
-        Args:
-            outputs: The robot's outputs.
-            now: s.
-            lost: The program's node gives no sign of life.
-        """
+        """Send the places whose values have changed; `lost` if the program's node gives no sign of life."""
         self._send(lambda row: self._output(row, outputs, now, lost=lost), now)
 
     def make_safe(self, outputs: Outputs, now: float) -> None:

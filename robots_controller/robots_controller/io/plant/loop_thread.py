@@ -14,11 +14,7 @@ CLOSE_TIMEOUT: Final = 5.0  # s
 
 
 class LoopThread:
-    """Runs coroutines of other threads, until it is closed.
-
-    Args:
-        name: Of the thread.
-    """
+    """Runs coroutines of other threads, until it is closed."""
 
     def __init__(self, name: str) -> None:
         self._loop = asyncio.new_event_loop()

@@ -83,10 +83,7 @@ class WaitingWrites:
 class PlantConnection(IoPort):
     """Keeps a link open: reads, writes in order, and opens it again after ever longer pauses.
 
-    Args:
-        name: Of the partner, for messages.
-        link: To it.
-        wake: Called in another thread when values have arrived or the state has changed.
+    `wake` is called in another thread when values have arrived or the state has changed.
     """
 
     def __init__(self, name: str, link: PlantLink, wake: Callable[[], None]) -> None:
@@ -261,12 +258,7 @@ class PlantConnection(IoPort):
 
 
 def connect(server: PlantServer, rows: Sequence[IoRow], wake: Callable[[], None]) -> PlantConnection:
-    """The connection of a server; it connects by itself.
-
-    Args:
-        server: The server.
-        rows: Those with places there, at least one.
-        wake: As of `PlantConnection`.
+    """The connection of a server, which has the places of some rows; it connects by itself.
 
     Raises:
         InvalidInputError: the protocol's library is not installed.

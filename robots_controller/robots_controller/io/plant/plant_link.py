@@ -27,17 +27,10 @@ class PlantLink(Protocol):
     """
 
     def open(self, receive: Callable[[Iterable[Arrival]], None]) -> None:
-        """Connect.
-
-        Args:
-            receive: Takes what arrives from now on, in any thread.
-        """
+        """Connect; `receive` takes what arrives from now on, in any thread."""
 
     def read(self, now: float) -> float:
-        """Read what is due, and check that the partner is there.
-
-        Args:
-            now: s of `time.monotonic`.
+        """Read what is due now, s of `time.monotonic`, and check that the partner is there.
 
         Returns:
             When to call again, s.

@@ -16,12 +16,7 @@ from robots_core.errors import InvalidInputError, NoAnswerError, RobotsError
 
 
 class ChannelNodes:
-    """Adds a variable for each channel when it is known, and keeps its value.
-
-    Args:
-        instances: Where they are added.
-        path: Of the object that has the channels.
-    """
+    """Adds a variable for each channel when it is known, and keeps its value."""
 
     def __init__(self, instances: Instances, path: str) -> None:
         self._made, self._path = instances, path
@@ -63,12 +58,7 @@ class ChannelNodes:
             await self._made.writer.server.get_node(node).set_writable()
 
     async def take_written(self, port: ProgramPort, nodes: list[Any], answers: list[Any]) -> list[str]:
-        """Pass on what a client has written; what is refused is answered so.
-
-        Args:
-            port: The cell.
-            nodes: What was written: node, attribute and value.
-            answers: To each, replaced in place.
+        """Pass on what a client has written; answers to what is refused are replaced in place.
 
         Returns:
             What was refused, and why.

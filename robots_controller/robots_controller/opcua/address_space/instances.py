@@ -27,11 +27,7 @@ INACTIVE: Final = object()
 
 
 class Instances:
-    """Adds objects; the path of a node is that of its browse names, without namespaces.
-
-    Args:
-        writer: Of the address space, which has the types.
-    """
+    """Adds objects; the path of a node is that of its browse names, without namespaces."""
 
     def __init__(self, writer: NodeWriter) -> None:
         self.writer: Final = writer
@@ -101,14 +97,7 @@ class Instances:
     async def add_variable(
         self, path: str, member: Member, name: ua.QualifiedName | None = None, **options: Any
     ) -> None:
-        """Add a variable with the parts that its type has.
-
-        Args:
-            path: Of the variable.
-            member: Its class, data type and type.
-            name: Its browse name; that of the member by default.
-            options: Of `NodeWriter.add_variable`.
-        """
+        """Add a variable with the parts that its type has; its browse name is the member's by default."""
         name = name or self.writer.browse_name(member.name)
         await self.writer.add_variable(
             self.id(path), name, self.id(path.rpartition('/')[0]), member, **options
@@ -123,10 +112,7 @@ class Instances:
     async def add_method(self, path: str, inputs: list[ua.Argument], callback: Any) -> None:
         """Add a method of the type of its object, which returns a status.
 
-        Args:
-            path: Of the method.
-            inputs: Its arguments.
-            callback: A coroutine function of the object's node and the arguments, as variants.
+        `callback` is a coroutine function of the object's node and the arguments, as variants.
         """
         writer = self.writer
         parent, _, name = path.rpartition('/')
@@ -160,9 +146,7 @@ class Instances:
     async def write(self, path: str, value: Any) -> None:
         """Give a variable a value, and its parts theirs; nothing happens if it has it.
 
-        Args:
-            path: Of the variable.
-            value: As Python has it, the text of an enumeration, or a structure of asyncua.
+        The value is as Python has it, the text of an enumeration, or a structure of asyncua.
         """
         if path in self._values and self._values[path] == value:
             return
@@ -198,12 +182,7 @@ def argument(name: str, kind: ua.VariantType, description: str) -> ua.Argument:
 
 
 def wrong_arguments(kinds: Sequence[ua.VariantType], given: Sequence[ua.Variant]) -> Any:
-    """The answer to arguments of a wrong number or type; None where they are right.
-
-    Args:
-        kinds: Their types.
-        given: As the client has sent them.
-    """
+    """The answer to arguments of a wrong number or type; None where they are right."""
     if len(given) != len(kinds):
         missing = len(given) < len(kinds)
         codes = ua.StatusCodes

@@ -46,12 +46,7 @@ def type_of_data(data: str) -> str:
 
 
 class NodeWriter:
-    """Adds nodes; see `companion_types` for their names.
-
-    Args:
-        server: An initialised server of asyncua.
-        own: Index of `NAMESPACE`, that of instances.
-    """
+    """Adds nodes to a server; see `companion_types` for their names. `own` is the index of `NAMESPACE`."""
 
     def __init__(self, server: Any, own: int) -> None:
         self.server = server
@@ -144,17 +139,7 @@ class NodeWriter:
         type_name: str = '',
         label: str = '',
     ) -> None:
-        """Add a node.
-
-        Args:
-            node: Its id.
-            name: Its browse name.
-            parent: What it belongs to.
-            attributes: Of its class.
-            reference: From the parent.
-            type_name: Of an object or variable.
-            label: Shown to a person; the browse name by default.
-        """
+        """Add a node with the attributes of its class; people see its label, by default its browse name."""
         kind = type(attributes).__name__.removesuffix('Attributes')
         attributes.DisplayName = ua.LocalizedText(label or name.Name)
         item = ua.AddNodesItem()
@@ -186,16 +171,7 @@ class NodeWriter:
         *,
         label: str = '',
     ) -> None:
-        """Add a variable or property that clients may read; its value is null until it is known.
-
-        Args:
-            node: Its id.
-            name: Its browse name.
-            parent: What it belongs to.
-            member: Its class, data type and type.
-            value: A variant, or None.
-            label: Shown to a person; the browse name by default.
-        """
+        """Add a variable or property that clients may read; its value is null until it is known."""
         attributes = ua.VariableAttributes()
         attributes.DataType = self.type_id(member.type)
         attributes.Value = value or ua.Variant(None, ua.VariantType.Null)

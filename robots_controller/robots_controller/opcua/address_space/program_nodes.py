@@ -51,11 +51,6 @@ class ProgramNodes:
     """Adds a file for each program and a directory for each folder, and follows their changes.
 
     All files share the methods of their type.
-
-    Args:
-        instances: Where they are added.
-        path: Of the directory, which is there already.
-        folder: Folder of the robot programs.
     """
 
     def __init__(self, instances: Instances, path: str, folder: Path) -> None:

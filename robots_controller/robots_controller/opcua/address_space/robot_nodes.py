@@ -53,16 +53,7 @@ LARGEST_DENOMINATOR: Final = 10_000
 
 
 class RobotNodes:
-    """Adds the nodes to a server, and keeps their values.
-
-    Args:
-        server: An initialised server of asyncua.
-        namespace: Index of the namespace of the robot.
-        robot: The robot.
-        nameplate: What its maker says of it.
-        programs: Folder of the robot programs.
-        control: What the methods of the program do.
-    """
+    """Adds the nodes to a server, and keeps their values."""
 
     def __init__(
         self,

@@ -35,14 +35,7 @@ REASONS: Final = {RunState.FAILED: 'Error', RunState.FINISHED: 'Application'}
 
 
 class TaskNodes:
-    """Adds the nodes, keeps their values, and sends an event (OPC 10000-16) for each transition.
-
-    Args:
-        instances: Where they are added.
-        path: Of the TaskControl.
-        programs: The nodes of the programs.
-        control: What the methods do.
-    """
+    """Adds the nodes, keeps their values, and sends an event (OPC 10000-16) for each transition."""
 
     def __init__(self, instances: Instances, path: str, programs: ProgramNodes, control: TaskControl) -> None:
         self._made, self._programs, self._control = instances, programs, control
@@ -54,11 +47,7 @@ class TaskNodes:
         self._events = EventGenerator(instances.writer.server.iserver.isession)
 
     async def build(self, device: ua.NodeId) -> None:
-        """Add the objects and methods.
-
-        Args:
-            device: The robot that they move.
-        """
+        """Add the objects and methods of a program that moves a device."""
         made, server = self._made, self._made.writer.server
         await made.add(self.path, 'TaskControlType', optional=OPTIONAL)
         values = {

@@ -98,13 +98,7 @@ class _Held:
 class HeldButton:
     """One button of one viewer at a time: jogs, steps, moves to a target, or lets a program run.
 
-    Presses are taken in one thread.
-
-    Args:
-        robot: The robot.
-        port: The cell.
-        now: Time, s.
-        check: Raises a NotPermittedError if a viewer may not do something now.
+    Presses are taken in one thread. `check` raises a NotPermittedError if a viewer may not do something now.
     """
 
     def __init__(
@@ -128,14 +122,9 @@ class HeldButton:
         return '' if self._held is None else self._held.viewer
 
     def hold(self, sign: Sign, state: PendantState, preview: Preview | None = None) -> Action | None:
-        """Take a sign that a viewer holds a button.
+        """Take a sign that a viewer holds a button; `preview` is the motion of MOVE_KEY.
 
         Signs that arrive after the release of their press, or after the begin of a newer one, do nothing.
-
-        Args:
-            sign: The sign.
-            state: The newest of the cell.
-            preview: The motion of MOVE_KEY.
 
         Returns:
             The action to do now: what is held starts the program.

@@ -36,9 +36,6 @@ class JogPrediction:
     """Continues a jog as the teach box will, some seconds ahead, in steps that are coarse and fast.
 
     An instance keeps scratch memory: use one per thread.
-
-    Args:
-        robot: The robot.
     """
 
     def __init__(self, robot: BaseRobotModel) -> None:
@@ -48,14 +45,7 @@ class JogPrediction:
     def ahead(
         self, jog: JogCommand, q: Array, speeds: JogSpeeds, settings: MotionSettings
     ) -> PredictedStop | None:
-        """What the jog will meet; None for nothing within `HORIZON`.
-
-        Args:
-            jog: The jog, which continues.
-            q: Where the robot is, (n,), rad (m).
-            speeds: The highest jog speeds.
-            settings: Those of planning_node, with its tool.
-        """
+        """What the jog will meet from joint positions q, (n,), rad (m); None for nothing within `HORIZON`."""
         axes, box = self._robot.axes_data, self._box(speeds, settings.tool, settings.hold)
         box.place(np.clip(q, axes.lower, axes.upper))
         time = 0.0

@@ -35,10 +35,6 @@ class PendantMove:
     The robot is taken for the motion and given back after it: a motion that is left behind by a pendant that
     has died continues with no program. A robot that still moves from a jog before is asked for again until
     it stands.
-
-    Args:
-        port: The transport.
-        now: Time, s.
     """
 
     def __init__(self, port: MovePort, now: Callable[[], float]) -> None:

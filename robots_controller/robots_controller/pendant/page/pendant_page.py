@@ -52,13 +52,7 @@ PANELS: Final[Mapping[str, tuple[str, Callable[[Viewer], Panel]]]] = {
 
 
 class PendantPage:
-    """The bar, the 3D view, and panels to jog, for programs, for inputs and outputs, and for messages.
-
-    Args:
-        operator: Takes what is pressed.
-        folder: Of the robot programs.
-        request: Of the browser.
-    """
+    """The bar, the 3D view, and panels to jog, for programs, for inputs and outputs, and for messages."""
 
     def __init__(self, operator: PendantOperator, folder: Path, request: Request) -> None:
         self._client = client = ui.context.client

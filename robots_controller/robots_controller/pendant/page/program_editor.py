@@ -19,8 +19,7 @@ from robots_controller.program_check.program_check import ProgramProblem
 class ProgramEditor(Part):
     """An editor that opens with a text, and closes when it is saved or given up.
 
-    Args:
-        closed: Called with what is wrong with the program that was saved; None if nothing was saved.
+    `closed` gets what is wrong with the program that was saved; None if nothing was saved.
     """
 
     def __init__(

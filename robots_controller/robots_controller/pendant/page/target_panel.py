@@ -22,8 +22,7 @@ STAY: Final = 1.0  # s at the target, before the path around obstacles is shown 
 class TargetPanel(Part):
     """Fields for a target, and the buttons to preview it and to move there.
 
-    Args:
-        speed: Gives the part of the highest jog speed, 0..1.
+    `speed` gives the part of the highest jog speed, 0..1.
     """
 
     def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:

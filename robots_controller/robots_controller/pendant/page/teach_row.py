@@ -22,9 +22,7 @@ ICONS: Final = {'ptp': 'timeline', 'line': 'trending_flat', 'arc': 'roundabout_r
 class TeachRow(Part):
     """A field for a point's name, and buttons that teach it and insert a motion to it.
 
-    Args:
-        cursor: Gives file and line after which motions are inserted.
-        inserted: Called with the line of a motion that was inserted.
+    `cursor` gives the file and the line after which motions are inserted; `inserted` gets the line of one.
     """
 
     def __init__(

@@ -119,14 +119,7 @@ class Part:
 
 
 class ActionButton(Part):
-    """A button for an action; one that is not permitted is pale, and says why when it is pressed.
-
-    Args:
-        action: What it does.
-        text: On it.
-        icon: Before the text.
-        press: Called when it is pressed; may be a coroutine.
-    """
+    """A button for an action; one that is not permitted is pale, and says why when it is pressed."""
 
     def __init__(
         self, viewer: Viewer, action: Action, text: str, icon: str, press: Callable[[], object]

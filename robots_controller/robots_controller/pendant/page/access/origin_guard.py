@@ -66,12 +66,7 @@ def _is_named(name: str, served: str) -> bool:
 
 
 class OriginGuard:
-    """An ASGI application before another one; requests and websockets of foreign origins are refused (403).
-
-    Args:
-        app: The other one.
-        served: Address that the server listens at.
-    """
+    """An ASGI application before another one; refuses requests and websockets of foreign origins (403)."""
 
     def __init__(self, app: ASGIApp, served: str = THIS_MACHINE) -> None:
         self.app: Final = app  # NiceGUI looks for the application below by this name

@@ -33,13 +33,6 @@ class PasswordGuard:
     """An ASGI application before another one; without a session, requests get a form for the password.
 
     Sessions are signed with a key of this process: they end with it.
-
-    Args:
-        app: The other one.
-        password: What must be given.
-        title: Of the form.
-        log: Gets who has given a wrong password.
-        now: Time, s.
     """
 
     def __init__(

@@ -26,10 +26,7 @@ class SceneProxy:
     """An ASGI application before another one; the server of the 3D view answers what is below `/scene`.
 
     That server listens on the loopback interface, without a password: this belongs behind the page's guards.
-
-    Args:
-        app: The other one.
-        url: Gives the address of the 3D view; '' for none. Only one on this machine is asked.
+    A server on another machine is not asked.
     """
 
     def __init__(self, app: ASGIApp, url: Callable[[], str]) -> None:

@@ -22,11 +22,7 @@ ICONS: Final = {'touched': 'check_circle', 'next': 'arrow_forward', 'later': 'ra
 
 
 class Guide(Part, ABC):
-    """A guide through one sequence, and the name under which the frames file gets its result.
-
-    Args:
-        file: Gives the frames file.
-    """
+    """A guide through one sequence, and the name under which the frames file gets its result."""
 
     name: ClassVar[str]
     """Of its texts."""
@@ -79,11 +75,7 @@ class Guide(Part, ABC):
 
 
 class TouchedPoints(Part):
-    """A row for each point, and buttons that touch the next one and start again.
-
-    Args:
-        kind: The sequence.
-    """
+    """A row for each point, and buttons that touch the next one and start again."""
 
     def __init__(self, viewer: Viewer, kind: Kind, line: RefusalLine) -> None:
         super().__init__(viewer, line)
@@ -98,12 +90,7 @@ class TouchedPoints(Part):
                 ActionButton(viewer, Action.TEACH, text('frames.again'), 'restart_alt', clear)
 
     def refresh(self, names: Sequence[str], details: Sequence[str] = ()) -> None:
-        """Show the points.
-
-        Args:
-            names: Of all points, one for each row.
-            details: Of the touched ones; 'touched' by default.
-        """
+        """Show the points by their names, and the details of those that are touched; 'touched' by default."""
         count = len(self.operator.measuring.points[self._kind])
         if not self._changed(count, *names, *details):
             return
