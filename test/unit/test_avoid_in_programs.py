@@ -74,7 +74,7 @@ def test_a_walk_plans_the_way_and_reports_lines_that_collide_with_it(tmp_path: P
     program = tmp_path / 'walked.lua'
     line = 'setAvoid(true)\nlocal p = forwardKinematics(15, -70, 90, 0, 70, 0)\nptpCartesianSpace(p)\n'
     program.write_text(THERE + AROUND + line)
-    result = walk_program(program, robot=ROBOT, scene=scene)
+    result = walk_program(CellSetup(program=program, robot=ROBOT, scene=scene))
     (path,) = map(str, result.paths)
     found = re.fullmatch(
         r'walked.lua:2: ptpJointSpaceAngles: goes around via \(.* deg\), [\d.]+ s; smallest distance: '

@@ -8,6 +8,7 @@ import pytest
 from robots_controller.program_check.walk import walk_program
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
+from robots_controller.simulation.cell_parts import CellSetup
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.realtime_movement import RealtimeMovement
@@ -242,7 +243,7 @@ def test_programs_of_small_arms_run_and_are_judged_by_what_they_hold(tmp_path: P
     assert report.ok, report.problems
     assert [motion.command.line for motion in run.motions] == [1, 5, 6, 7, 8, 9, 10]
     assert len(outputs(run)) == 1
-    problems = walk_program(tmp_path / 'program.lua', robot=name_of(which)).problems
+    problems = walk_program(CellSetup(program=tmp_path / 'program.lua', robot=name_of(which))).problems
     assert [problem.reason for problem in problems] == []
 
 
@@ -251,5 +252,5 @@ def test_a_program_that_holds_poses_says_what_its_arm_cannot_hold(tmp_path: Path
     assert run.state == 'FAILED'
     assert 'arm_4 has 4 axes: in place it cannot turn its tool about' in str(run.error)
     assert not report.ok
-    found = walk_program(tmp_path / 'program.lua', robot=name_of(4)).problems
+    found = walk_program(CellSetup(program=tmp_path / 'program.lua', robot=name_of(4))).problems
     assert any('arm_4 has 4 axes' in problem.reason for problem in found)

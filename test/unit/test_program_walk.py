@@ -8,6 +8,7 @@ import pytest
 from read_texts import parse_plc_script
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.program_check.walk import WalkResult, input_combinations, walk_program
+from robots_controller.simulation.cell_parts import CellSetup
 
 ROBOT = 'kuka_kr210_r2700'
 START = 'ptpJointSpaceAngles(0, -90, 90, 0, 30, 0)\n'
@@ -23,7 +24,8 @@ rules:
 def walk(folder: Path, program: str, script: str = '', **options: Any) -> WalkResult:
     (folder / 'p.lua').write_text(program)
     (folder / 'plc.yaml').write_text(script)
-    return walk_program(folder / 'p.lua', robot=ROBOT, io=folder / 'plc.yaml' if script else '', **options)
+    io = folder / 'plc.yaml' if script else ''
+    return walk_program(CellSetup(program=folder / 'p.lua', robot=ROBOT, io=io), **options)
 
 
 def told(result: WalkResult) -> list[str]:
@@ -80,7 +82,7 @@ def test_collisions_are_reported_and_the_rest_is_walked(tmp_path: Path):
         'ptpJointSpaceAngles(0, -60, 90, 0, 30, 0)\nptpJointSpaceAngles(60, -60, 90, 0, 30, 0)\n'
         'ptpJointSpaceAngles(61, -60, 90, 0, 30, 0)\nptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\n'
     )
-    lines = told(walk_program(tmp_path / 'p.lua', robot=ROBOT, scene=scene))
+    lines = told(walk_program(CellSetup(program=tmp_path / 'p.lua', robot=ROBOT, scene=scene)))
     assert len(lines) == 2
     assert lines[0].startswith('p.lua:2: ptpJointSpaceAngles: the motion collides: ')
     assert 'post' in lines[0]

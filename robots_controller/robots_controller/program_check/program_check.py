@@ -114,22 +114,14 @@ def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
 
 def sizes_of(
     num_axes: int,
-    io: Path | str = '',
-    io_map: Path | str = '',
-    frames: Path | str = '',
+    io: str,
+    io_map: str,
+    frames: str,
     *,
     digital: int = DIGITAL_SIZE,
     analog: int = ANALOG_SIZE,
 ) -> Sizes:
-    """What bounds the arguments of a program.
-
-    Args:
-        num_axes: Of its robot.
-        io: Script of a PLC; '' for none.
-        io_map: Map of inputs and outputs; '' for none.
-        frames: Frames file; '' for the one beside the program.
-        digital: Number of digital inputs, and of outputs.
-        analog: Number of analog inputs, and of outputs.
+    """What bounds the arguments of a program, from its robot's axes and the files of its cell, '' for none.
 
     Raises:
         RobotsError: a file that is not valid.

@@ -88,12 +88,8 @@ class WalkResult:
 
 
 def walk_program(
-    program: Path | str,
+    setup: CellSetup,
     *,
-    robot: str,
-    scene: Path | str = '',
-    io: Path | str = '',
-    frames: Path | str = '',
     most: int = MOST_COMBINATIONS,
     longest: float = LONGEST_WALK,
     patience: float = math.inf,
@@ -105,11 +101,7 @@ def walk_program(
     of the program is walked too.
 
     Args:
-        program: Lua robot program.
-        robot: The robot's name.
-        scene: What the robot keeps clear of (YAML); '' for nothing but itself.
-        io: Script of the PLC whose inputs are combined and whose rules are played; '' for none.
-        frames: Frames file; '' for the one beside the program.
+        setup: Of its cell: the inputs of the PLC's script are combined, and its rules are played.
         most: Highest number of combinations to walk, the script's own start first.
         longest: A walk ends after this simulated time, s.
         patience: All walks end after this time of the machine, s; names the line where each was.
@@ -119,9 +111,9 @@ def walk_program(
         RobotsError: an unknown robot, a file that is not valid, or a program that is not Lua.
     """
     until = time.monotonic() + patience
-    everything = list(input_combinations(_script(io)))
+    everything = list(input_combinations(_script(setup)))
     combinations = everything[:most]
-    walk = _Walk(str(program), robot, str(scene), str(io), str(frames), longest, patience, until)
+    walk = _Walk(setup, longest, patience, until)
     # What is wrong with the input itself is raised here, before processes start.
     begin = time.monotonic()
     walks, left = [walk(combinations[0])], combinations[1:]
@@ -141,11 +133,7 @@ def walk_program(
 class _Walk:
     """Walks a program; none begins after `until`. Other processes get it, with a combination of inputs."""
 
-    program: str
-    robot: str
-    scene: str
-    io: str
-    frames: str
+    setup: CellSetup
     longest: float
     patience: float
     until: float
@@ -157,11 +145,10 @@ class _Walk:
         left = self.until - time.monotonic()
         if left <= 0.0:
             late = f'not walked within the patience of {self.patience:g} s'
-            return [ProgramProblem(Path(self.program).name, 0, late)], []
-        setup = CellSetup(program=self.program, robot=self.robot, scene=self.scene, frames=self.frames)
-        parts = cell_parts(setup)
+            return [ProgramProblem(Path(self.setup.program).name, 0, late)], []
+        parts = cell_parts(replace(self.setup, io=''))
         planning = LenientPlanning(parts.planning)
-        cell_io = replace(parts.cell_io, script=combination.script(_script(self.io)))
+        cell_io = replace(parts.cell_io, script=combination.script(_script(self.setup)))
         # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
         # unknown.
         parts = replace(parts, planning=planning, cell_io=cell_io, walked=True)
@@ -190,8 +177,8 @@ class _Walk:
         return list(found), paths
 
 
-def _script(io: Path | str) -> PlcScript:
-    return read_plc_script(io) if io else PlcScript(())
+def _script(setup: CellSetup) -> PlcScript:
+    return read_plc_script(setup.io) if setup.io else PlcScript(())
 
 
 def _together(
