@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from rich.console import Console
 from rich.markup import escape
@@ -57,16 +56,6 @@ class CellView:
             transient=True,
         )
         self._task: TaskID | None = None
-        self._handlers: dict[type, Callable[[Any], None]] = {
-            NodeHealth: self._show_health,
-            ProgramStatus: self._show_program,
-            ProgramPrint: self._show_print,
-            MotionCommanded: self._show_commanded,
-            MotionPlanned: self._show_planned,
-            MotionProgress: self._show_progress,
-            MotionResult: self._show_end,
-            OutputsChanged: self._show_outputs,
-        }
 
     def expect(self, node: str) -> None:
         """A node is started again."""
@@ -79,8 +68,24 @@ class CellView:
 
     def show(self, event: Event) -> None:
         """Show an event."""
-        show: Callable[[Any], None] = self._handlers[type(event)]
-        show(event)
+        match event:
+            case NodeHealth():
+                self._show_health(event)
+            case ProgramStatus():
+                self._show_program(event)
+            case ProgramPrint(text):
+                self._print(f'{MARGIN}[bold]{escape(text)}[/]')
+            case MotionCommanded(id_):
+                self._commanded[id_] = event
+            case MotionPlanned():
+                self._show_planned(event)
+            case MotionProgress(progress):
+                if self._task is not None:
+                    self._bar.update(self._task, completed=progress)
+            case MotionResult():
+                self._show_end(event)
+            case OutputsChanged():
+                self._show_outputs(event)
 
     def _print(self, text: str) -> None:
         self.console.print(text, highlight=False, soft_wrap=True)
@@ -91,16 +96,6 @@ class CellView:
             self.console.print(text, highlight=False, soft_wrap=False, no_wrap=True, overflow='ellipsis')
         else:
             self._print(text)
-
-    def _show_print(self, event: ProgramPrint) -> None:
-        self._print(f'{MARGIN}[bold]{escape(event.text)}[/]')
-
-    def _show_commanded(self, event: MotionCommanded) -> None:
-        self._commanded[event.id] = event
-
-    def _show_progress(self, event: MotionProgress) -> None:
-        if self._task is not None:
-            self._bar.update(self._task, completed=event.progress)
 
     def _show_outputs(self, event: OutputsChanged) -> None:
         for index, value in event.changes:
