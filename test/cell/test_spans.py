@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from numpy.typing import ArrayLike
 
+from cell_options import simulate_options
 from robots_controller.commands.cell_arguments import CELL_OPTIONS
 from robots_controller.simulation import simulated_cell
 from robots_controller.simulation.cell_parts import CellSetup, cell_parts
-from robots_controller.simulation.command_line import parse_options
 from robots_controller.simulation.simulated_cell import LONGEST_SPAN, SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
@@ -26,7 +26,7 @@ CASES = list(zip([*NAMES, *LANGUAGE], cycle(DRIVE_LEVELS), strict=False))
 
 
 def run(program: Path, drive: str, bag: Path, longest_span: int) -> SimulationRun:
-    options = parse_options([str(program), '--drive', drive, '--rate', RATE])
+    options = simulate_options([str(program), '--drive', drive, '--rate', RATE])
     names = [name for name in CELL_OPTIONS if name != 'drive']
     parts = cell_parts(CellSetup(program=program, **{name: getattr(options, name) for name in names}))
     with pytest.MonkeyPatch.context() as patch:

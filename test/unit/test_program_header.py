@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from cell_options import simulate_options
 from robots_controller.cell.guide_recording import read_guide_recording
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.files.program_header import ProgramHeader, read_program_header
-from robots_controller.simulation import command_line
 from robots_core import load_robot_model
 from robots_core.blocks import read_cabin, read_orbit, read_scene
 from robots_core.errors import RobotsError
@@ -97,9 +97,9 @@ def test_the_wrong_robot_is_reported(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert CHECK_PROGRAM.run([str(path)]) == 0
     assert CHECK_PROGRAM.run([str(path), '--robot', 'bello_bot']) == 1
     assert 'program.lua:2: ptpJointSpaceAngles' in capsys.readouterr().out
-    options = command_line.parse_options([str(path), '--robot', 'bello_bot'])
+    options = simulate_options([str(path), '--robot', 'bello_bot'])
     assert (options.robot, options.note) == ('bello_bot', 'program.lua is written for ur5e')
-    options = command_line.parse_options([str(path)])
+    options = simulate_options([str(path)])
     assert (options.robot, options.note) == ('ur5e', '')
 
 
@@ -107,5 +107,5 @@ def test_a_program_that_says_nothing_needs_a_robot_to_be_simulated(tmp_path: Pat
     path = tmp_path / 'program.lua'
     path.write_text('wait(1)\n')
     with pytest.raises(RobotsError, match='does not say which robot it is for; --robot does'):
-        command_line.parse_options([str(path)])
-    assert command_line.parse_options([str(path), '--robot', 'ur5e']).robot == 'ur5e'
+        simulate_options([str(path)])
+    assert simulate_options([str(path), '--robot', 'ur5e']).robot == 'ur5e'

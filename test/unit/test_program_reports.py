@@ -15,11 +15,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from cell_options import simulate_options
 from robots_controller.program.files.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
-from robots_controller.simulation.command_line import parse_options, run
+from robots_controller.simulation.command_line import run
 from robots_core.exit_codes import ExitCode
 from short_programs import PROGRAMS, SHORTEST, short_copy
 
@@ -40,7 +41,7 @@ WHOLE = ('palletizing',)
 def simulated(folder: Path, program: Path, *options: str) -> int:
     """Simulate as the command does, bag and report in a folder; returns its exit code."""
     outputs = ('--bag', str(folder / 'bag'), '--report', str(folder / 'report.html'))
-    return run(parse_options([str(program), *outputs, *options]), Console(quiet=True))
+    return run(simulate_options([str(program), *outputs, *options]), Console(quiet=True))
 
 
 @pytest.fixture(scope='module')
@@ -113,7 +114,7 @@ def test_a_bar_shows_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monk
         'for i = 1, 4 do\n  ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)\n'
         '  ptpJointSpaceAngles(-20, -90, 90, 0, 90, 0)\nend'
     )
-    options = parse_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
+    options = simulate_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
     shown = StringIO()
     assert run(options, Console(file=shown, force_terminal=True, width=100, color_system=None)) == ExitCode.OK
     speed = r'(?:[1-9]\d* times|0\.\d\d of) real time'

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from cell_options import simulate_options
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
-from robots_controller.simulation.command_line import parse_options, run
+from robots_controller.simulation.command_line import run
 from robots_core.errors import RobotsError
 from robots_core.exit_codes import ExitCode
 
@@ -128,7 +129,7 @@ def test_simulate_gives_its_verdict_without_a_bag_too(end: str, code: int, tmp_p
     program = tmp_path / 'part.lua'
     program.write_text(START + end)
     text = StringIO()
-    options = parse_options([str(program), '--robot', ROBOT])
+    options = simulate_options([str(program), '--robot', ROBOT])
     assert run(options, Console(file=text, width=200)) == code
     assert ('every target reached, every limit kept' in text.getvalue()) == (code == ExitCode.OK)
     assert 'PTPJOINT_JOINT' in text.getvalue()
@@ -139,18 +140,19 @@ def test_a_program_is_checked_before_it_is_simulated(tmp_path: Path, capsys: pyt
     program = tmp_path / 'part.lua'
     program.write_text(START + 'if 1 > 2 then setDigtalOutput(1, true) end\n')
     with pytest.raises(RobotsError, match=r'part\.lua has a problem, and nothing was started; --no-check'):
-        run(parse_options([str(program), '--robot', ROBOT]), Console(quiet=True))
+        run(simulate_options([str(program), '--robot', ROBOT]), Console(quiet=True))
     line = START.count('\n') + 1
     wanted = f"part.lua:{line}: there is no function setDigtalOutput; did you mean 'setDigitalOutput'?"
     assert capsys.readouterr().err.strip() == wanted
     assert (
-        run(parse_options([str(program), '--robot', ROBOT, '--no-check']), Console(quiet=True)) == ExitCode.OK
+        run(simulate_options([str(program), '--robot', ROBOT, '--no-check']), Console(quiet=True))
+        == ExitCode.OK
     )
 
 
 def shown(folder: Path) -> str:
     """What `simulate` prints of the program in a folder."""
     text = StringIO()
-    options = parse_options([str(folder / 'part.lua'), '--robot', ROBOT, '--io', str(folder / 'io.yaml')])
+    options = simulate_options([str(folder / 'part.lua'), '--robot', ROBOT, '--io', str(folder / 'io.yaml')])
     run(options, Console(file=text, width=200))
     return text.getvalue()

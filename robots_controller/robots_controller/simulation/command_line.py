@@ -5,7 +5,7 @@ import contextlib
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
@@ -15,7 +15,6 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 
 from robots_controller.commands.cell_arguments import CELL_OPTIONS
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
-from robots_controller.commands.command_table import SIMULATE
 from robots_controller.commands.json_output import print_json
 from robots_controller.program_check.program_check import check_first, sizes_of
 from robots_controller.report.report_json import report_data
@@ -42,15 +41,6 @@ def start_simulation(options: argparse.Namespace, console: Console) -> int:
 
 def _interrupt(_signal: int, _frame: FrameType | None) -> None:
     signal.raise_signal(signal.SIGINT)
-
-
-def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Options from a command line, and from its program.
-
-    Raises:
-        RobotsError: an option that is not valid, a program that does not exist, or no robot.
-    """
-    return complete_options(SIMULATE.parse(arguments))
 
 
 def complete_options(options: argparse.Namespace) -> argparse.Namespace:
