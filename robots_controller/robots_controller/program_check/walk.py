@@ -3,11 +3,10 @@
 import itertools
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from robots_controller.defaults import LONGEST_WALK, MOST_COMBINATIONS
@@ -22,45 +21,29 @@ from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 
 START_OF_PROCESSES: Final = 2.0  # s, what they take to load
+Inputs = Mapping[Channel, float]
+"""Values of all inputs that a script names, at the start; from there the script's rules set them."""
 
 
-@dataclass(frozen=True)
-class InputCombination:
-    """Values of the inputs at the start; from there the script's rules set them.
-
-    Attributes:
-        values: (input, value), all that the script names.
-        names: Own names of channels.
-    """
-
-    values: tuple[tuple[Channel, float], ...] = ()
-    names: tuple[tuple[Channel, str], ...] = ()
-
-    def script(self, script: PlcScript) -> PlcScript:
-        """The script with these values at its start."""
-        return replace(script, initial=MappingProxyType(dict(self.values)))
-
-    def describe(self) -> str:
-        """For a person: press_ready on, press_force 0."""
-        names = dict(self.names)
-        words = (
-            f'{names.get(channel, channel.name)} '
-            f'{("off", "on")[int(value)] if channel.kind == "digital" else format(value, "g")}'
-            for channel, value in self.values
-        )
-        return ', '.join(words)
-
-
-def input_combinations(script: PlcScript) -> Iterator[InputCombination]:
+def input_combinations(script: PlcScript) -> Iterator[Inputs]:
     """Every combination of the inputs that a script sets, starts with or names; its own start comes first.
 
     A digital input is off or on; an analog one has any of the values that the script gives it, or 0.
     """
-    inputs = tuple(channel for channel in script.channels if channel.direction == 'input')
-    names = tuple((channel, name) for name, channel in script.signals.items())
-    choices = [_values(script, channel) for channel in inputs]
-    for values in itertools.product(*choices):
-        yield InputCombination(tuple(zip(inputs, values, strict=True)), names)
+    inputs = [channel for channel in script.channels if channel.direction == 'input']
+    for values in itertools.product(*(_values(script, channel) for channel in inputs)):
+        yield dict(zip(inputs, values, strict=True))
+
+
+def described(inputs: Inputs, script: PlcScript) -> str:
+    """For a person: press_ready on, press_force 0."""
+    names = {channel: name for name, channel in script.signals.items()}
+    words = (
+        f'{names.get(channel, channel.name)} '
+        f'{("off", "on")[int(value)] if channel.kind == "digital" else format(value, "g")}'
+        for channel, value in inputs.items()
+    )
+    return ', '.join(words)
 
 
 def _values(script: PlcScript, channel: Channel) -> tuple[float, ...]:
@@ -111,7 +94,8 @@ def walk_program(
         RobotsError: an unknown robot, a file that is not valid, or a program that is not Lua.
     """
     until = time.monotonic() + patience
-    everything = list(input_combinations(_script(setup)))
+    script = _script(setup)
+    everything = list(input_combinations(script))
     combinations = everything[:most]
     walk = _Walk(setup, longest, patience, until)
     # What is wrong with the input itself is raised here, before processes start.
@@ -123,7 +107,7 @@ def walk_program(
             walks += pool.map(walk, left)
     else:
         walks += map(walk, left)
-    problems = tuple(_together(combinations, [problems for problems, _ in walks]))
+    problems = tuple(_together(script, combinations, [problems for problems, _ in walks]))
     paths = dict.fromkeys(path for _, paths in walks for path in paths)
     shown = tuple(f'{file}:{line}: {text}' for file, line, text in sorted(paths, key=itemgetter(0, 1)))
     return WalkResult(problems, len(combinations), len(everything), shown)
@@ -138,9 +122,7 @@ class _Walk:
     patience: float
     until: float
 
-    def __call__(
-        self, combination: InputCombination
-    ) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
+    def __call__(self, inputs: Inputs) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
         """Problems and paths around obstacles (file, line, text) of one walk."""
         left = self.until - time.monotonic()
         if left <= 0.0:
@@ -148,7 +130,7 @@ class _Walk:
             return [ProgramProblem(Path(self.setup.program).name, 0, late)], []
         parts = cell_parts(replace(self.setup, io=''))
         planning = LenientPlanning(parts.planning)
-        cell_io = replace(parts.cell_io, script=combination.script(_script(self.setup)))
+        cell_io = replace(parts.cell_io, script=replace(_script(self.setup), initial=inputs))
         # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
         # unknown.
         parts = replace(parts, planning=planning, cell_io=cell_io, walked=True)
@@ -182,17 +164,17 @@ def _script(setup: CellSetup) -> PlcScript:
 
 
 def _together(
-    combinations: Sequence[InputCombination], found: Sequence[list[ProgramProblem]]
+    script: PlcScript, combinations: Sequence[Inputs], found: Sequence[list[ProgramProblem]]
 ) -> Iterator[ProgramProblem]:
     """Each problem once, with the combinations that lead to it."""
-    where: dict[ProgramProblem, list[InputCombination]] = {}
-    for combination, problems in zip(combinations, found, strict=True):
+    where: dict[ProgramProblem, list[Inputs]] = {}
+    for inputs, problems in zip(combinations, found, strict=True):
         for problem in problems:
-            where.setdefault(problem, []).append(combination)
+            where.setdefault(problem, []).append(inputs)
     for problem in sorted(where, key=lambda one: (one.file, one.line)):
         leading = where[problem]
         if len(leading) == len(combinations):
             yield problem
             continue
         share = f'with {len(leading)} of {len(combinations)} combinations of inputs'
-        yield replace(problem, reason=f'{problem.reason} ({share}: {leading[0].describe()})')
+        yield replace(problem, reason=f'{problem.reason} ({share}: {described(leading[0], script)})')
