@@ -224,10 +224,9 @@ def _recovered(path: Path, error: Exception) -> Bag:
         except Exception as file_error:
             if file.suffix != '.mcap':
                 raise BagError(f'{file} cannot be read: {file_error}') from file_error
-            found = recover_mcap(file)
-            some_topics, some = _topics(found.connections), _in_order(found.messages)
-            if not found.complete:
-                cut.append(f'{file.name} is damaged or cut off after {found.size} bytes')
+            connections, found, wrong = recover_mcap(file)
+            some_topics, some = _topics(connections), _in_order(found)
+            cut += [wrong] if wrong else []
         topics = {**some_topics, **topics}
         messages += some
     if not messages:

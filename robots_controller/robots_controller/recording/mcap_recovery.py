@@ -6,7 +6,6 @@ Record layout: MCAP specification, https://mcap.dev/spec.
 import os
 import struct
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Final
 
@@ -18,27 +17,15 @@ from robots_core.errors import BagError
 MAGIC: Final = b'\x89MCAP0\r\n'
 PROFILE: Final = slice(21, 25)  # in the header, behind its opcode and two lengths
 _FOOTER, _DATA_END = 0x02, 0x0F
+Message = tuple[Connection, int, bytes]
+"""Channel, time of logging in ns, data."""
 
 
-@dataclass(frozen=True)
-class Recovered:
-    """Whole records of a file.
-
-    Attributes:
-        connections: Of all channels.
-        messages: (connection, time of logging in ns, data), in the file's order.
-        complete: The file has all its messages.
-        size: How many bytes were whole records.
-    """
-
-    connections: list[Connection]
-    messages: list[tuple[Connection, int, bytes]]
-    complete: bool
-    size: int
-
-
-def recover_mcap(path: Path) -> Recovered:
+def recover_mcap(path: Path) -> tuple[list[Connection], list[Message], str]:
     """Read an MCAP file up to where it is damaged.
+
+    Returns:
+        Its channels, its whole messages in their order, and what is wrong with it, '' for nothing.
 
     Raises:
         RobotsError: it is no MCAP file of ROS 2 at all.
@@ -50,7 +37,7 @@ def recover_mcap(path: Path) -> Recovered:
         raise BagError(f'{path} cannot be read: {error.strerror}') from error
 
 
-def _recovered(path: Path, file: BinaryIO) -> Recovered:
+def _recovered(path: Path, file: BinaryIO) -> tuple[list[Connection], list[Message], str]:
     start = file.read(PROFILE.stop)
     if not start:
         raise BagError(f'{path} is empty')
@@ -61,14 +48,16 @@ def _recovered(path: Path, file: BinaryIO) -> Recovered:
         raise BagError(f'the MCAP file is of profile {start[PROFILE]!r} ...; needed is ros2')
     reader = McapReader(path)
     reader.bio, reader.data_start, reader.data_end = file, len(MAGIC), size
-    messages: list[tuple[Connection, int, bytes]] = []
+    messages: list[Message] = []
     # Damaged records fail in as many ways as they have bytes: what was whole before them stays.
     with suppress(Exception):
         reader.meta_scan()
     with suppress(Exception):
         for message in reader.messages_scan(reader.connections):
             messages.append(message)  # noqa: PERF402  # those before an error stay
-    return Recovered(reader.connections, messages, ended and reader.statistics is not None, size)
+    whole = ended and reader.statistics is not None
+    problem = '' if whole else f'{path.name} is damaged or cut off after {size} bytes'
+    return reader.connections, messages, problem
 
 
 def _whole_records(file: BinaryIO) -> tuple[int, bool]:
