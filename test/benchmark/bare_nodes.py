@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.running.middleware import choose_transports
 
 

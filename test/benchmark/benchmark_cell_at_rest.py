@@ -37,7 +37,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from node_pids import node_pids
 from robots_core import load_robot_model
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.running.middleware import choose_transports
 from ros_domains import reserved_domain

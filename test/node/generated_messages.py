@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from hypothesis import strategies as st
 
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 
 LONGEST: Final = 3  # of generated sequences
 _ARRAY: Final = re.compile(r'(?P<item>.+)\[(?P<size>\d+)\]$')

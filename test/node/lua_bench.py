@@ -17,8 +17,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
+from robots_core.ros.messages import diagnostic_values, message_class, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_planning.motion_kinds import MOTION_KINDS
 

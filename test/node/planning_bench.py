@@ -14,10 +14,10 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import Pose, load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     BUILD,
     doubles,
+    message_class,
     motion_result_from_message,
     motion_result_message,
     stamp_id,

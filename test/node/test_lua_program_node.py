@@ -21,7 +21,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status, diagnostic_values, pose_from_message, stamp_id
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_planning import LinearJoint
-from robots_planning.nodes.trajectory_messages import trajectory_message
+from robots_planning.nodes.motion_messages import trajectory_message
 from robots_planning.trajectory import Trajectory
 
 from .lua_bench import MOVE, ROBOT, LuaBench, ignore

@@ -13,12 +13,12 @@ from rclpy.serialization import serialize_message
 
 from robots_core import Pose
 from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.ros.joint_trajectories import SerializedTrajectory
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_planning import verify
 from robots_planning.commands.command_queue import WINDOW
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.nodes.motion_messages import trajectory_from_message
 
 from .planning_bench import ROBOT, PlanningBench
 

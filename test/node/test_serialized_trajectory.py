@@ -13,8 +13,7 @@ from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.errors import InvalidInputError
-from robots_core.ros.joint_trajectories import FIELDS
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory, serialize_points
+from robots_core.ros.joint_trajectories import FIELDS, SerializedTrajectory, serialize_points
 
 WHAT = 'joint_trajectory'
 TEXT = st.text(st.characters(codec='utf-8', exclude_characters='\0'), max_size=9)

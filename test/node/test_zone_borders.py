@@ -20,7 +20,7 @@ from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_values, motion_result_from_message
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning import LinearJoint, Trajectory
-from robots_planning.nodes.trajectory_messages import trajectory_message
+from robots_planning.nodes.motion_messages import trajectory_message
 
 from .bench import EVERY_STATE, Bench
 

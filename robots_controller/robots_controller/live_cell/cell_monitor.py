@@ -30,9 +30,9 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_core.base_frames import AT_BASE
 from robots_core.errors import RobotsError
-from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
+    message_class,
     motion_result_from_message,
     number_in,
     stamp_id,
@@ -41,7 +41,7 @@ from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.qos import every_message
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
-from robots_planning.nodes.command_target import target_of
+from robots_planning.nodes.motion_messages import target_of
 
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s

@@ -31,9 +31,9 @@ from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import OperatingMode
 from robots_core.errors import RobotsError
+from robots_core.nodes.shared_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.periodic.realtime import ask_for_realtime, processor_share, processor_share_in_silence
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.loop_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import (
     BUILD,

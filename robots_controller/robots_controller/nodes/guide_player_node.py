@@ -9,7 +9,7 @@ from std_msgs.msg import String
 from robots_controller.cell.guide_recording import GuideRecording, GuideReplay, read_guide_recording
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run

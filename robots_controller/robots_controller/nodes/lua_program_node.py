@@ -33,7 +33,7 @@ from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
-from robots_core.nodes.payload_parameter import payload_from_parameters
+from robots_core.nodes.shared_parameters import payload_from_parameters
 from robots_core.ros.messages import BUILD
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.heartbeat import watchdog_parameter

@@ -19,6 +19,7 @@ from robots_core.blocks.collision.collision_guard import (
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
 from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.joint_trajectories import SerializedTrajectory
 from robots_core.ros.messages import (
     BUILD,
     NANOSECONDS,
@@ -29,7 +30,6 @@ from robots_core.ros.peers.presence import is_served
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz

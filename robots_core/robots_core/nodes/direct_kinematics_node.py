@@ -8,16 +8,15 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.nodes.shared_parameters import NO_TOOL, pose_from_parameter
 from robots_core.pose import Pose
 from robots_core.ros.messages import BUILD, ENCAPSULATION_SIZE, STAMP_END, joint_values
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.timed_node import SELDOM
-from robots_core.validation import finite_vector
 
 MAX_RATE = 1000.0  # Hz
-NO_TOOL = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
 class DirectKinematicsNode(RobotNode):
@@ -55,16 +54,6 @@ class DirectKinematicsNode(RobotNode):
     def _use_tool(self, tool: Pose) -> None:
         self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._pose = b''
-
-
-def pose_from_parameter(values: Any) -> Pose:
-    """A pose from seven numbers: x, y, z in metres, then quaternion x, y, z, w.
-
-    Raises:
-        InvalidInputError: not seven finite numbers, or a quaternion of zero length.
-    """
-    numbers = finite_vector(values, 7, 'x y z and quaternion x y z w')
-    return Pose.from_quaternion(numbers[:3], numbers[3:])
 
 
 main: Final = partial(run, DirectKinematicsNode)

@@ -20,12 +20,16 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
-from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
+from robots_core.nodes.shared_parameters import (
+    carry_payload,
+    payload_from_parameters,
+    realtime_priority_parameter,
+    resting_rate_parameter,
+)
 from robots_core.periodic.realtime import processor_share
 from robots_core.periodic.resting_rate import RestingRate
 from robots_core.periodic.watchdog import CHECKS
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.loop_parameters import realtime_priority_parameter, resting_rate_parameter
 from robots_core.ros.managed_node import INACTIVE, ManagedNode
 from robots_core.ros.messages import wrench_from_message
 from robots_core.ros.peers.heartbeat import watchdog_parameter

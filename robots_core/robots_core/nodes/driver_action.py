@@ -14,7 +14,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.cell_interface.driver_file import DriverActionSettings
 from robots_core.errors import InvalidInputError
-from robots_core.ros.message_class import action_type
+from robots_core.ros.messages import action_type
 from robots_core.ros.robot_node import RobotNode
 
 ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal

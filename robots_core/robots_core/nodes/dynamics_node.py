@@ -19,7 +19,7 @@ from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDyna
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
+from robots_core.nodes.shared_parameters import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import (

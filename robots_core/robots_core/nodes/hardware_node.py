@@ -13,9 +13,9 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.message_builder import NONE
 from robots_core.nodes.driver_action import DriverAction
+from robots_core.nodes.shared_parameters import realtime_priority_parameter
 from robots_core.periodic.realtime import processor_share
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.loop_parameters import realtime_priority_parameter
 from robots_core.ros.messages import BUILD, NANOSECONDS
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state

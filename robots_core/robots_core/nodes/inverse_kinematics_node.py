@@ -21,11 +21,14 @@ from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
-from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
-from robots_core.nodes.payload_parameter import carry_payload
+from robots_core.nodes.shared_parameters import (
+    NO_TOOL,
+    carry_payload,
+    pose_from_parameter,
+    realtime_priority_parameter,
+)
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.loop_parameters import realtime_priority_parameter
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe

@@ -12,8 +12,7 @@ from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
 from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import BUILD
+from robots_core.ros.messages import BUILD, message_class
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run

@@ -8,8 +8,7 @@ from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
 from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
 from robots_core.blocks.floating_base.rendezvous_messages import TYPES, RendezvousMessages
 from robots_core.blocks.following.guide import Guide
-from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import BUILD
+from robots_core.ros.messages import BUILD, message_class
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription

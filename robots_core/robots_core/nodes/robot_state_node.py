@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core.blocks.link_frames import FramePose, LinkFrames
-from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.nodes.shared_parameters import NO_TOOL, pose_from_parameter
 from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import make_publisher

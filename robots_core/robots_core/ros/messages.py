@@ -6,6 +6,8 @@ import array
 import math
 import struct
 from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
 from typing import Any, Final
 
 import numpy as np
@@ -21,7 +23,6 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
 from robots_core.message_builder import MessageBuilder
 from robots_core.pose import Pose
-from robots_core.ros.message_class import message_class
 from robots_core.status import Level, Status
 from robots_core.validation import Array, bounded_vector
 
@@ -116,6 +117,35 @@ def joint_motion(message: JointState, wanted: Sequence[str]) -> tuple[Array, Arr
     if q is None:
         raise InvalidInputError('joint_states has no positions')
     return q, q_dot, tau
+
+
+@cache
+def message_class(type_name: str) -> Any:
+    """The class of a message type.
+
+    Args:
+        type_name: As package/msg/Name.
+
+    Raises:
+        InvalidInputError: the package is not installed, or has no such message.
+    """
+    package, _, name = type_name.split('/')
+    try:
+        module = import_module(f'{package}.msg')
+    except ImportError as error:
+        raise InvalidInputError(f'{type_name}: the package {package!r} cannot be imported: {error}') from None
+    found = getattr(module, name, None)
+    if found is None:
+        raise InvalidInputError(f'{type_name}: {package!r} has no message {name!r}')
+    return found
+
+
+def action_type(name: str) -> Any:
+    """An action of control_msgs; None where that is not installed, or has no such action."""
+    try:
+        return getattr(import_module('control_msgs.action'), name, None)
+    except ImportError:
+        return None
 
 
 def ros_message(type_name: str, **fields: Any) -> Any:

@@ -18,11 +18,12 @@ from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
-from robots_core.ros.message_class import action_type, message_class
 from robots_core.ros.messages import (
     BUILD,
     NANOSECONDS,
+    action_type,
     id_stamp,
+    message_class,
     motion_result_from_message,
     motion_result_message,
     number_in,
@@ -50,12 +51,11 @@ from robots_planning.motion_settings import (
 )
 from robots_planning.nodes.command_admission import CommandAdmission
 from robots_planning.nodes.command_inbox import CommandInbox
-from robots_planning.nodes.command_target import target_of
 from robots_planning.nodes.controller_reference import ControllerReference
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
+from robots_planning.nodes.motion_messages import target_of, trajectory_message
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
-from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.pathplanning import PathPlanning
 from robots_planning.trajectory import Trajectory
 

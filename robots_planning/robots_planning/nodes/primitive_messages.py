@@ -8,8 +8,7 @@ from builtin_interfaces.msg import Time
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import BUILD, doubles
+from robots_core.ros.messages import BUILD, doubles, message_class
 from robots_planning.commands.motion_primitives import MotionPrimitive
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE
 

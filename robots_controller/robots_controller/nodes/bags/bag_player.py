@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robots_controller.recording.bag_replay import ReplayPlan
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.timed_node import TimedNode
 
 POLL: Final = 0.01  # s of the wall clock between searches for subscribers

@@ -21,7 +21,7 @@ from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.lockstep.counted_endpoints import ALL
 from robots_core.ros.lockstep.protocol import is_of_protocol
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.peers.heartbeat import HEARTBEAT
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 

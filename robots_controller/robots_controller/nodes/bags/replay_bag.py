@@ -11,7 +11,7 @@ from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_core.errors import BagError, InvalidInputError
 from robots_core.exit_codes import ExitCode
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.running.run import run
 
 

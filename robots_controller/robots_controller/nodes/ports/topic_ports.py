@@ -14,7 +14,7 @@ from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.io_map import IoRow, check_bit
 from robots_controller.io.number_kinds import INTEGERS
 from robots_core.errors import InvalidInputError
-from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import message_class
 from robots_core.ros.qos import rclpy_profile
 from robots_core.ros.robot_node import RobotNode
 

@@ -11,14 +11,13 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, NotNowError, RobotsError
-from robots_core.ros.joint_trajectories import single_point
+from robots_core.ros.joint_trajectories import SerializedTrajectory, single_point
 from robots_core.ros.messages import NANOSECONDS, id_stamp, nanoseconds
 from robots_core.ros.peers.fresh_commands import FreshCommands
 from robots_core.ros.peers.presence import Sender
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.nodes.motion_messages import trajectory_from_message
 from robots_planning.verification.trajectory_verification import verify
 
 CANCELED: Final = 'canceled by an empty joint_trajectory'

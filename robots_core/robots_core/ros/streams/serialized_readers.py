@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.ros.joint_trajectories import single_point
+from robots_core.ros.joint_trajectories import COUNT, first_number, read_head, single_point
 from robots_core.ros.messages import (
     ENCAPSULATION_SIZE,
     LITTLE_ENDIAN,
@@ -19,7 +19,6 @@ from robots_core.ros.messages import (
     joint_values,
     seconds,
 )
-from robots_core.ros.streams.serialized_trajectory import COUNT, first_number, read_head
 from robots_core.validation import Array, finite_vector
 
 

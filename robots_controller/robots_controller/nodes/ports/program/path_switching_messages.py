@@ -10,15 +10,15 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell.path_switching import PathSwitching
 from robots_core.errors import RobotsError
+from robots_core.ros.joint_trajectories import SerializedTrajectory
 from robots_core.ros.lockstep.phases import NEVER, Phase
 from robots_core.ros.lockstep.timed_work import LockstepTurn
 from robots_core.ros.messages import diagnostic_values, number_in, serialized_stamp_id
 from robots_core.ros.qos import subscribe
 from robots_core.ros.streams.polled_subscription import PolledSubscription
-from robots_core.ros.streams.serialized_trajectory import SerializedTrajectory
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import fraction
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.nodes.motion_messages import trajectory_from_message
 from robots_planning.trajectory import Trajectory
 
 

@@ -14,8 +14,7 @@ from robots_controller.program.motions.modal_settings import PLANNING_NODE, with
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_core.errors import PlanningError
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.message_class import message_class
-from robots_core.ros.messages import BUILD, id_stamp, stamp_id
+from robots_core.ros.messages import BUILD, id_stamp, message_class, stamp_id
 from robots_core.ros.peers.presence import is_served, publishers_of, subscribers_of
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.timed_node import TimedNode

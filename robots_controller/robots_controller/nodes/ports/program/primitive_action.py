@@ -17,7 +17,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
 from robots_core.cell_interface.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.ros.message_class import action_type
+from robots_core.ros.messages import action_type
 from robots_core.ros.qos import subscribe_any_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
