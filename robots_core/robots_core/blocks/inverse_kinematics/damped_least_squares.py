@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
     PROGRESS_STEPS,
-    Arm,
     reached,
     solve_pose,
     solve_poses,
@@ -69,17 +68,14 @@ class DampedLeastSquares:
             raise InvalidInputError(f'max_iterations = {max_iterations} must be at least 1')
         if restarts < 0:
             raise InvalidInputError(f'restarts = {restarts} must be at least 0')
-        self._arm = Arm(
-            SerialChain.of(robot, tool).arrays,
-            np.array([self._axes.lower, self._axes.upper]),
-            (
-                positive(tolerances[0], 'position tolerance', 'm'),
-                positive(tolerances[1], 'orientation tolerance', 'rad'),
-            ),
+        self._tolerances = (
+            positive(tolerances[0], 'position tolerance', 'm'),
+            positive(tolerances[1], 'orientation tolerance', 'rad'),
         )
+        limits = np.array([self._axes.lower, self._axes.upper])
         offset = np.random.default_rng(seed).uniform(size=self._axes.num_axes)
         self._fixed = (
-            self._arm,
+            (SerialChain.of(robot, tool).arrays, limits, self._tolerances),
             low_discrepancy(self._axes, restarts, offset),
             redundancy_arrays(redundancy, self._axes),
             (int(max_iterations), PROGRESS_STEPS),
@@ -107,7 +103,7 @@ class DampedLeastSquares:
         x, y, z, a, b, c = error.tolist()
         return IkResult(
             q,
-            reached(self._arm, error),
+            reached(self._tolerances, error),
             steps,
             sqrt(x * x + y * y + z * z),
             sqrt(a * a + b * b + c * c),
@@ -146,7 +142,7 @@ class DampedLeastSquares:
             list(pool.map(solve_part, [slice(begin, begin + size) for begin in range(0, count, size)]))
         position_error = np.linalg.norm(errors[:, :3], axis=1)
         orientation_error = np.linalg.norm(errors[:, 3:], axis=1)
-        most_position, most_orientation = self._arm.tolerances
+        most_position, most_orientation = self._tolerances
         converged = (position_error <= most_position) & (orientation_error <= most_orientation)
         return IkBatch(q, converged, steps, position_error, orientation_error)
 

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """The search of the damped least squares, compiled."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,26 +34,16 @@ CORRECTION_STEPS = 6
 SELF_MOTION_END = 1e-5
 NULL_SPACE_DAMPING = 1e-6
 
+Tolerances = tuple[float, float]
+"""Of position (m) and orientation (rad)."""
+Arm = tuple[ChainArrays, Array, Tolerances]
+"""Arrays of a `SerialChain`; limits (2, n), lower and upper; what is near enough to a pose."""
 Effort = tuple[int, int]
 """Steps per start, and steps after which a start without progress is abandoned (PATIENT: never)."""
 Target = tuple[Array, Array]
 """r (3,) and T (3, 3)."""
 Memory = tuple[Array, Array, Array, Array, NDArray[np.bool_]]
 """For a step: two matrices (n, n), two vectors (n,), and which axes stand, (n,)."""
-
-
-class Arm(NamedTuple):
-    """An arm, and what is near enough to a pose.
-
-    Attributes:
-        chain: Arrays of a `SerialChain`.
-        limits: (2, n): lower, upper.
-        tolerances: Of position (m) and orientation (rad).
-    """
-
-    chain: ChainArrays
-    limits: Array
-    tolerances: tuple[float, float]
 
 
 @compiled()
@@ -79,7 +67,8 @@ def solve_pose(
     n = q.size
     first = q.copy()
     steps = search(arm, effort, target, q, error)
-    if not reached(arm, error) and starts.shape[0] > 0:
+    _, _, tolerances = arm
+    if not reached(tolerances, error) and starts.shape[0] > 0:
         other, other_error = np.empty(n), np.empty(6)
         for start in range(starts.shape[0]):
             copy_into(other, starts[start])
@@ -87,11 +76,11 @@ def solve_pose(
             if _square(other_error) < _square(error):
                 copy_into(q, other)
                 copy_into(error, other_error)
-            if reached(arm, error):
+            if reached(tolerances, error):
                 break
-    if not reached(arm, error):  # all steps for the closest point
+    if not reached(tolerances, error):  # all steps for the closest point
         steps += search(arm, (effort[0], PATIENT), target, q, error)
-    if redundancy[0] != NO_CRITERION and reached(arm, error):
+    if redundancy[0] != NO_CRITERION and reached(tolerances, error):
         steps += _self_motion(arm, redundancy, target, q, error)
     _turn_near(first, arm, q)
     return steps
@@ -100,7 +89,8 @@ def solve_pose(
 @compiled()
 def search(arm: Arm, effort: Effort, target: Target, q: Array, error: Array) -> int:
     """Levenberg-Marquardt from `q` inside the limits; fills q and error, returns the steps taken."""
-    n, chain, limits = q.size, arm.chain, arm.limits
+    chain, limits, tolerances = arm
+    n = q.size
     r, T = np.empty(3), np.empty((3, 3))
     J, next_J = np.empty((6, n)), np.empty((6, n))
     next_q, next_error = np.empty(n), np.empty(6)
@@ -115,7 +105,7 @@ def search(arm: Arm, effort: Effort, target: Target, q: Array, error: Array) -> 
     cost = _square(error)
     damping, growth = DAMPING_START, DAMPING_GROWTH
     for iteration in range(most):
-        if reached(arm, error):
+        if reached(tolerances, error):
             return iteration
         if window != PATIENT:
             slot = iteration % window
@@ -188,13 +178,14 @@ def _damped_step(
 @compiled()
 def _self_motion(arm: Arm, redundancy: RedundancyArrays, target: Target, q: Array, error: Array) -> int:
     """Move towards the redundancy criterion by self-motion, which keeps the pose; return the steps taken."""
-    n, limits = q.size, arm.limits
+    chain, limits, tolerances = arm
+    n = q.size
     r, T, J, desired = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
     candidate, candidate_error = np.empty(n), np.empty(6)
     L, task = np.empty((6, 6)), np.empty(6)
     steps, part = 0, SELF_MOTION_PART
     for _ in range(SELF_MOTION_STEPS):
-        pose_and_jacobian(arm.chain, q, r, T, J)
+        pose_and_jacobian(chain, q, r, T, J)
         desired_displacement(redundancy, q, J, desired)
         for i in range(n):  # directions that the limits exclude
             if (q[i] <= limits[0, i] and desired[i] < 0.0) or (q[i] >= limits[1, i] and desired[i] > 0.0):
@@ -218,7 +209,7 @@ def _self_motion(arm: Arm, redundancy: RedundancyArrays, target: Target, q: Arra
         for i in range(n):
             candidate[i] = q[i] + factor * desired[i]
         steps += 1 + search(arm, (CORRECTION_STEPS, PATIENT), target, candidate, candidate_error)
-        if reached(arm, candidate_error):
+        if reached(tolerances, candidate_error):
             copy_into(q, candidate)
             copy_into(error, candidate_error)
         else:
@@ -229,19 +220,20 @@ def _self_motion(arm: Arm, redundancy: RedundancyArrays, target: Target, q: Arra
 @compiled()
 def _turn_near(reference: Array, arm: Arm, q: Array) -> None:
     """Add full turns inside the limits, so that each axis is nearest to the reference."""
+    chain, limits, _ = arm
     turn = 2.0 * np.pi
     for i in range(q.size):
-        if arm.chain[i, 12] != 0.0:
+        if chain[i, 12] != 0.0:
             continue
         turned = q[i] + turn * np.round((reference[i] - q[i]) / turn)
-        if arm.limits[0, i] <= turned <= arm.limits[1, i]:
+        if limits[0, i] <= turned <= limits[1, i]:
             q[i] = turned
 
 
 @compiled()
-def reached(arm: Arm, error: Array) -> bool:
+def reached(tolerances: Tolerances, error: Array) -> bool:
     """Both errors are inside the tolerances."""
-    most_position, most_orientation = arm.tolerances
+    most_position, most_orientation = tolerances
     position = error[0] * error[0] + error[1] * error[1] + error[2] * error[2]
     orientation = error[3] * error[3] + error[4] * error[4] + error[5] * error[5]
     return bool(

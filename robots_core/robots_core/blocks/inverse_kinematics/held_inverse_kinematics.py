@@ -10,7 +10,6 @@ from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLea
 from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
     PATIENT,
     PROGRESS_STEPS,
-    Arm,
     search,
 )
 from robots_core.blocks.inverse_kinematics.hold import DIRECTIONS, POSE, condition_rows, held_by
@@ -69,7 +68,7 @@ class HeldInverseKinematics:
         self._chain = SerialChain.of(robot, tool)
         turn = np.full(3, np.inf)
         limits = np.array([[*self._axes.lower, *-turn], [*self._axes.upper, *turn]])
-        self._free = Arm(_with_free_wrist(self._chain), limits, (TOLERANCE, TOLERANCE))
+        self._free = _with_free_wrist(self._chain), limits, (TOLERANCE, TOLERANCE)
         self._starts = low_discrepancy(self._axes, restarts, 0.5)
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
