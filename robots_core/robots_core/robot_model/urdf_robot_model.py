@@ -33,7 +33,7 @@ from robots_core.robot_model.urdf.urdf_chain import UrdfChain, pinocchio_xml, re
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.robot_model.urdf.urdf_place import placed_in
 from robots_core.robot_model.urdf.xacro_file import expanded_xacro
-from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import FLOAT64, Array, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 _WORLD: Final = pin.LOCAL_WORLD_ALIGNED
@@ -271,11 +271,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        model, data = self._model, self._data
-        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-        M: Array = pin.crba(model, data, q)
-        tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
-        return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
+        return self.rigid_dynamics_model.rigid_dynamics(q, q_dot, q_ddot)
 
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.model_parts import RigidDynamicsModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
-from robots_core.validation import Array, finite_motion
+from robots_core.validation import Array
 
 
 class LoadedRobot(WrappedRobot):
@@ -25,9 +24,8 @@ class LoadedRobot(WrappedRobot):
     def __init__(self, robot: BaseRobotModel, payload: Payload) -> None:
         super().__init__(robot)
         self.payload = payload
-        dynamics = chain_dynamics_of(robot)
-        model = body_model(robot, dynamics.chain, payload, floating=False)
-        model.gravity.linear = dynamics.gravity
+        model = body_model(robot, payload, floating=False)
+        model.gravity.linear = robot.rigid_dynamics_model.gravity
         self._model = RigidDynamicsModel(model)
 
     @property
@@ -37,9 +35,7 @@ class LoadedRobot(WrappedRobot):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """The robot's, with the payload."""
-        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self.num_axes)
-        M, tau_aux = self._model.mass_matrix(q), self._model.bias_torques(q, q_dot)
-        return M @ q_ddot + tau_aux, M, tau_aux
+        return self._model.rigid_dynamics(q, q_dot, q_ddot)
 
 
 def loaded_robot(robot: BaseRobotModel, payload: Sequence[float]) -> BaseRobotModel:
