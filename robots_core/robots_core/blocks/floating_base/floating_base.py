@@ -11,7 +11,6 @@ from robots_core.blocks.multibody.free_floating_dynamics import check_base_body
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError
-from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_state, finite_vector, positive, read_only
@@ -50,10 +49,10 @@ class FloatingBase:
         payload: Payload = NOTHING,
     ) -> None:
         check_base_body(robot)
-        self._chain = chain_dynamics_of(robot)
-        if self._chain.gravity.any():
+        gravity = robot.rigid_dynamics_model.gravity
+        if gravity.any():
             raise InvalidInputError(
-                f'robot {robot.name!r} has gravity {self._chain.gravity.tolist()} m/s^2; a base that floats '
+                f'robot {robot.name!r} has gravity {gravity.tolist()} m/s^2; a base that floats '
                 f'needs a robot without: {robot.name.partition("?")[0]}?gravity=0,0,0'
             )
         self.robot, self._n = robot, robot.num_axes
@@ -70,7 +69,7 @@ class FloatingBase:
 
     def _carry(self, payload: Payload) -> None:
         self.payload = payload
-        self._model = body_model(self.robot, self._chain.chain, payload, floating=True)
+        self._model = body_model(self.robot, payload, floating=True)
         self._data, self._seen = self._model.createData(), self._model.createData()
         self._configuration = pin.neutral(self._model)
 
@@ -214,7 +213,7 @@ class FloatingBase:
         brought = self._place.actInv(pin.Force(momentum)).vector
         reach, _ = self.robot.direct_kinematics(self._q)
         brought[3:] -= np.cross(reach, brought[:3])
-        model = body_model(self.robot, self._chain.chain, self.payload + payload, floating=True)
+        model = body_model(self.robot, self.payload + payload, floating=True)
         M = np.array(pin.crba(model, model.createData(), self._configuration))
         return M, p + J.T @ brought
 

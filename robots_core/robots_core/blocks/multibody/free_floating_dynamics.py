@@ -7,7 +7,6 @@ from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.errors import InvalidInputError
-from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion
 
@@ -27,7 +26,7 @@ class FreeFloatingDynamics(Dynamics):
 
     def _prepare(self) -> None:
         check_base_body(self.robot)
-        self._model = body_model(self.robot, chain_dynamics_of(self.robot).chain, self.payload, floating=True)
+        self._model = body_model(self.robot, self.payload, floating=True)
         self._model.armature[6:] = self._losses[0]
         self._data = self._model.createData()
         self._tool = self._model.getFrameId('tool0')

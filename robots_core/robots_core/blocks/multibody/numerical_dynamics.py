@@ -9,7 +9,6 @@ from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.kernels.chain_dynamics import chain_dynamics_of
-from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion
@@ -28,17 +27,16 @@ class NumericalDynamics(Dynamics):
 
     def _prepare(self) -> None:
         robot, payload = self.robot, self.payload
-        dynamics = chain_dynamics_of(robot)
-        self.gravity = dynamics.gravity
+        self.gravity = robot.rigid_dynamics_model.gravity
         """Acceleration of free fall of an upright base at rest, (3,), m/s^2."""
-        self.model = body_model(robot, dynamics.chain, payload, floating=True)
+        self.model = body_model(robot, payload, floating=True)
         """The bodies on a floating base; its configuration: base position and quaternion, then q."""
         self.model.armature[6:] = self._losses[0]
         self._data = self.model.createData()
         self._configuration = pin.neutral(self.model)
         self._v, self._a = np.zeros(self.model.nv), np.zeros(self.model.nv)
         # The same on a base that does not turn, in half the time.
-        self._fixed = body_model(robot, dynamics.chain, payload, floating=False)
+        self._fixed = body_model(robot, payload, floating=False)
         self._fixed.armature = np.array(self._losses[0])
         self._fixed_data = self._fixed.createData()
 
@@ -92,9 +90,13 @@ class NumericalDynamics(Dynamics):
         return M, tau_aux + self._friction(q_dot) if self._resists else tau_aux
 
 
-def body_model(robot: BaseRobotModel, chain: SerialChain, payload: Payload, *, floating: bool) -> Any:
-    """A robot's bodies as a Pinocchio model without gravity, its base floating or fixed to the world."""
-    bodies = robot.rigid_dynamics_model
+def body_model(robot: BaseRobotModel, payload: Payload, *, floating: bool) -> Any:
+    """A robot's bodies as a Pinocchio model without gravity, its base floating or fixed to the world.
+
+    Raises:
+        InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
+    """
+    chain, bodies = chain_dynamics_of(robot).chain, robot.rigid_dynamics_model
     r, T = robot.kinematic_model.frame_axes(np.zeros(robot.num_axes))
     axes = robot.axes_data
     model = pin.Model()
