@@ -307,11 +307,8 @@ class PathPlanning:
             InvalidInputError: settings that the robot or the planner cannot keep.
         """
         generator = self._generators(kind, settings)
-        generator.surround(self.collision, self.collision_margin, self._is_cancelled)
+        generator.surround(self.collision, self.collision_margin, self.cancelled)
         return generator
-
-    def _is_cancelled(self) -> bool:
-        return self.cancelled()
 
     def _make(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         planner = planner_for(kind, settings)

@@ -17,7 +17,7 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.robot_model.shapes import Capsule
@@ -30,7 +30,6 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
-from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.nodes.planning_node import PlanningNode
 from scene_markers import markers
 

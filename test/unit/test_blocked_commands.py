@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
 from robots_planning import MotionSettings
 from robots_planning.commands.command_queue import WINDOW
-from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.motion_kinds import JOINT
 
 from .planner_cell import MIDDLE, PLAIN, START, Cell

@@ -12,10 +12,9 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import TrajectoryRefusedError
-from robots_planning.commands.motion_results import BLOCKED
 
 from .two_axes import quintic, two_axes
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopLatch
+from robots_core.cell_interface.motion_result import BLOCKED
 from robots_core.errors import TrajectoryRefusedError
-from robots_planning.commands.motion_results import BLOCKED
 
 
 class BlockedMotion:

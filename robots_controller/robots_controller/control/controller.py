@@ -22,11 +22,10 @@ from robots_controller.control.stops.feedback_watch import FeedbackWatch, Findin
 from robots_controller.control.stops.limit_guard import LimitGuard
 from robots_controller.control.stops.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, PASSED, MotionResult
 from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_planning.commands.motion_results import BLOCKED, PASSED
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need
     from robots_controller.control.zones.zone_guard import ZoneGuard

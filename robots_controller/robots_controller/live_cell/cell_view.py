@@ -20,10 +20,9 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import PASSED, MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.motion_results import PASSED
 
 MARGIN = ' ' * 8
 REPEAT_TIME = 5.0  # s

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from robots_core.errors import MotionEndedError, RobotsError
 from robots_core.status import Level, Status
+
+PASSED: Final = 'passed'
+"""The motion ran through to the next one."""
+BLOCKED: Final = 'stopped before a collision'
+"""An obstacle is ahead: the motion goes around it, or ends here."""
 
 
 @dataclass(frozen=True)

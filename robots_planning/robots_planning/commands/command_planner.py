@@ -9,13 +9,12 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, MotionResult
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandQueue
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
-from robots_planning.commands.motion_results import BLOCKED
 from robots_planning.free_paths.free_path_search import SearchCancelledError
 from robots_planning.motion_kinds import MotionKind
 from robots_planning.pathplanning import PathPlanning
@@ -116,8 +115,7 @@ class CommandPlanner:
         """Why a motion does not go on around an obstacle."""
         if chain.blocked is None:
             return error
-        first, place = chain.commands[0], chain.blocked
-        what = self._planning.obstacle_ahead(place.trajectory, place.since)
+        first, what = chain.commands[0], self._planning.obstacle_ahead(*chain.blocked)
         attempt = f'attempt {first.replans} of {first.settings.most_replans} to go around it'
         return PlanningError(f'{BLOCKED}: {what}; {attempt} failed: {error.message}', **error.details)
 

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from robots_planning.commands.motion_plan import Blocked, CommandChain, MotionPlan, QueuedCommand
+from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
 from robots_planning.motion_settings import MotionSettings
+from robots_planning.trajectory import Trajectory
 
 # Motions that are planned at once. In a longer chain the next plan continues from the middle of them; a
 # program has more than one and a half as many commands on their way.
@@ -153,7 +154,7 @@ class CommandQueue:
             self._known[first.id] = replace(first, replans=first.replans + 1)
             passed = [one for one in motion.ends if one not in left]
             self._forget(passed)
-            place = Blocked(motion.trajectory, progress * motion.trajectory.duration)
+            place = (motion.trajectory, progress * motion.trajectory.duration)
             waiting = [other for other in self._running.values() if other is not motion]
             own = left.index(id_) + 1  # what goes on around the obstacle is a motion with the same id
             later = [left[own:], *(list(other.ends) for other in waiting)]
@@ -207,7 +208,7 @@ class CommandQueue:
             self._give_up()
             self._given_up.clear()
 
-    def _chain(self, ids: list[str], blocked: Blocked | None = None) -> CommandChain:
+    def _chain(self, ids: list[str], blocked: tuple[Trajectory, float] | None = None) -> CommandChain:
         commands = (self._known.get(id_) for id_ in ids)
         return CommandChain(tuple(one for one in commands if one is not None), blocked=blocked)
 

@@ -44,31 +44,19 @@ class QueuedCommand:
 
 
 @dataclass(frozen=True, eq=False)
-class Blocked:
-    """Where an obstacle has stopped a motion.
-
-    Attributes:
-        trajectory: Its plan.
-        since: Where the robot stands on it, s.
-    """
-
-    trajectory: Trajectory
-    since: float
-
-
-@dataclass(frozen=True, eq=False)
 class CommandChain:
     """Commands to plan.
 
     Attributes:
         commands: One or several that blend, in their order.
         goes_on: More are there that the last one blends into; their plan continues from this one.
-        blocked: Where an obstacle has stopped the first one, to go on around it; None for a new one.
+        blocked: The trajectory on which an obstacle has stopped the first one, to go on around it, and where
+            the robot stands on that, s; None for a new one.
     """
 
     commands: tuple[QueuedCommand, ...]
     goes_on: bool = False
-    blocked: Blocked | None = None
+    blocked: tuple[Trajectory, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

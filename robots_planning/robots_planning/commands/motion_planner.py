@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from robots_core.cell_interface.motion_result import MotionResult
+from robots_core.cell_interface.motion_result import BLOCKED, PASSED, MotionResult
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
@@ -19,7 +19,6 @@ from robots_planning.commands.command_planner import (
 )
 from robots_planning.commands.command_queue import CommandQueue
 from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
-from robots_planning.commands.motion_results import BLOCKED, PASSED
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning
