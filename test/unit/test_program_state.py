@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from robots_controller.program.clock import WallClock
+from robots_controller.program.clock import Clock
 from robots_controller.program.program_state import (
     MotionCommand,
     ProgramState,
@@ -43,8 +43,8 @@ class SteppedClock:
         assert self.waiting.acquire(timeout=DEADLINE)
 
 
-def running_state(clock: SteppedClock | WallClock | None = None, num_axes: int = 6) -> ProgramState:
-    state = ProgramState(num_axes, digital=4, analog=2, clock=clock or WallClock())
+def running_state(clock: Clock | None = None, num_axes: int = 6) -> ProgramState:
+    state = ProgramState(num_axes, digital=4, analog=2, clock=clock or Clock())
     state.set_run_state(RunState.RUNNING)
     return state
 
@@ -164,7 +164,7 @@ def test_stop_interrupts_every_wait(wait: str):
 
 
 def test_stop_of_a_program_that_does_not_run_is_none():
-    state = ProgramState(6, digital=1, analog=1, clock=WallClock())
+    state = ProgramState(6, digital=1, analog=1, clock=Clock())
     assert not state.stop()
     state.set_run_state(RunState.RUNNING)
     state.hold()
@@ -209,7 +209,7 @@ def test_time_of_a_pause_does_not_count_as_slept():
 
 
 def test_sleep_of_the_wall_clock_is_not_shorter_than_asked():
-    state = running_state(WallClock())
+    state = running_state(Clock())
     start = state.clock.now()
     sleep(state, 0.02)
     assert state.clock.now() - start >= 0.02
@@ -279,7 +279,7 @@ def test_number_of_axes_is_fixed_while_running():
 @pytest.mark.parametrize('size', [0, -1, 2.0, True])
 def test_sizes_are_whole_numbers_from_one(size: object):
     with pytest.raises(InvalidInputError, match='num_axes'):
-        ProgramState(size, digital=1, analog=1, clock=WallClock())  # type: ignore[arg-type]
+        ProgramState(size, digital=1, analog=1, clock=Clock())  # type: ignore[arg-type]
 
 
 def test_unknown_command_state_names_the_valid_ones():

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from robots_controller.program.clock import Clock, WallClock
+from robots_controller.program.clock import Clock
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
@@ -71,7 +71,7 @@ class CellPort:
     what they take. Every method but `hold` and `started` is called from the program's thread.
     """
 
-    clock: Clock = WallClock()
+    clock = Clock()
     """The time that the program's waits take."""
     payload: tuple[float, ...] = NOTHING
     """What the robot carries where the program does not set it: mass and centre of mass, kg and m."""

@@ -1,27 +1,26 @@
-"""Clock: the time of a robot program, the wall's or a simulation's."""
+"""Clock: the time of a robot program, the machine's or a simulation's."""
 
 import math
 import threading
 import time
-from typing import Final, Protocol
 
 # Python refuses to wait for centuries; a wait may end early, so a long one is a few of these.
 LONGEST_WAIT = 3600.0  # s
 
 
-class Clock(Protocol):
-    """What a robot program needs of time.
+class Clock:
+    """What a robot program needs of time: here the machine's monotonic time; others override it.
 
     Everything a program waits for (time, the end of a motion, the end of a pause) goes through `wait`,
     so that a simulated clock can see when the program stands still and until when.
     """
 
-    @property
-    def spell(self) -> float:
-        """Instructions of a computing program after which it calls `computes`; infinite for never."""
+    spell: float = math.inf
+    """Instructions of a computing program after which it calls `computes`; infinite for never."""
 
     def now(self) -> float:
         """Time in seconds, from any start, never running backwards."""
+        return time.monotonic()
 
     def wait(self, condition: threading.Condition, deadline: float | None) -> None:
         """Wait until the condition is notified or `now()` has reached the deadline; may return early.
@@ -30,6 +29,10 @@ class Clock(Protocol):
             condition: Held by the caller; released while waiting.
             deadline: s, on this clock; None waits for a notification alone.
         """
+        if deadline is None:
+            condition.wait()
+        else:
+            condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
 
     def program_started(self) -> None:
         """The program has begun in its thread; a clock shared in turns lets it work until it waits."""
@@ -42,32 +45,7 @@ class Clock(Protocol):
 
     def computes(self) -> bool:
         """The program has computed for a spell; true where time has to pass for it to end."""
-
-    def pass_period(self) -> None:
-        """Let a period pass for a program that does not wait."""
-
-
-class WallClock:
-    """The machine's monotonic time."""
-
-    spell: Final = math.inf
-
-    def now(self) -> float:
-        """Seconds of `time.monotonic`."""
-        return time.monotonic()
-
-    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
-        """See `Clock.wait`."""
-        if deadline is None:
-            condition.wait()
-        else:
-            condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
-
-    def computes(self) -> bool:
-        """Never: time passes by itself."""
         return False
 
     def pass_period(self) -> None:
-        """Nothing: time passes by itself."""
-
-    program_started = program_ended = called = pass_period
+        """Let a period pass for a program that does not wait."""

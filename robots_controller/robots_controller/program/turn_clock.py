@@ -5,6 +5,8 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
+from robots_controller.program.clock import Clock
+
 NANOSECONDS: Final = 1_000_000_000
 # A program that reads an input in a loop without waiting would let no time pass for the input to change.
 CALLS_PER_PERIOD: Final = 200
@@ -16,7 +18,7 @@ SPELLS_WITHOUT_TIME: Final = 20
 CALLS_PERIOD: Final = 0.004  # s
 
 
-class TurnClock:
+class TurnClock(Clock):
     """Time that stands still while the program computes, and passes while it waits (see `Clock`).
 
     The program's thread and the cell's take turns: while one works, the other one waits for it, so that
@@ -26,7 +28,7 @@ class TurnClock:
         stamp: Gives the time in ns.
     """
 
-    spell: Final[float] = INSTRUCTIONS_PER_PERIOD
+    spell: float = INSTRUCTIONS_PER_PERIOD
 
     def __init__(self, stamp: Callable[[], int]) -> None:
         self._stamp = stamp

@@ -2,7 +2,7 @@
 
 import threading
 
-from robots_controller.program.clock import LONGEST_WAIT, WallClock
+from robots_controller.program.clock import Clock
 from robots_controller.program.turn_clock import TurnClock
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
@@ -10,7 +10,7 @@ from robots_core.ros.running.clocks import on_clock_set
 from robots_core.ros.timed_node import TimedNode
 
 
-class ProgramClock(WallClock):
+class ProgramClock(Clock):
     """See `Clock`. In simulated time a wait checks the clock whenever that is set."""
 
     def __init__(self, node: TimedNode) -> None:
@@ -26,13 +26,10 @@ class ProgramClock(WallClock):
     def wait(self, condition: threading.Condition, deadline: float | None) -> None:
         """See `Clock`."""
         self._waits_in = condition
-        if deadline is None:
-            condition.wait()
-        elif self._node.simulated_time:
-            if self.now() < deadline:
-                condition.wait()  # until something changes, or the clock is set
-        else:
-            condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
+        if deadline is None or not self._node.simulated_time:
+            super().wait(condition, deadline)
+        elif self.now() < deadline:
+            condition.wait()  # until something changes, or the clock is set
 
     def _wake(self) -> None:
         condition = self._waits_in
