@@ -155,8 +155,8 @@ class ControllerSixAxes:
             cell.work()
         references = cell.step()
         assert references is not None
-        events = tuple(cell.events)
-        cell.events.clear()
+        events = tuple(cell.log.events)
+        cell.log.events.clear()
         return ControllerStep(
             time=cell.clock.elapsed,
             references=read_only(references),
@@ -165,14 +165,14 @@ class ControllerSixAxes:
             run_state=cell.run_state,
             error=cell.error,
             stop=cell.controller.stops.state,
-            running=cell.cycle == 0 or cell.running or cell.records.any_open or not cell.control.holding,
+            running=cell.cycle == 0 or cell.running or cell.log.motions.any_open or not cell.control.holding,
             events=events,
         )
 
     @property
     def motions(self) -> tuple[SimulatedMotion, ...]:
         """The motions of the program, in the order of their commands, and what became of them."""
-        return self._cell.records.all
+        return self._cell.log.motions.all
 
     def close(self) -> None:
         """End the program, if it still runs."""

@@ -18,8 +18,6 @@ from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.in_process_controller import InProcessController
 from robots_controller.simulation.in_process_planner import InProcessPlanner
 from robots_controller.simulation.record.cell_log import CellLog
-from robots_controller.simulation.record.events import Event
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_contact import SimulatedContact
@@ -64,18 +62,7 @@ class InProcessCell:
         self._period_ns = round(parts.period * NANOSECONDS)
         self.clock = SimulatedClock()
         self.cost = Cost()
-        self.records = MotionRecords()
-        self.events: list[Event] = []
-        """What has happened besides motion, in the order of time."""
-        self.log = CellLog(
-            self.events,
-            self.records,
-            bag,
-            self.clock,
-            self.cost,
-            robot=parts.robot_name,
-            joints=parts.robot.axes_data.names,
-        )
+        self.log = CellLog(parts, bag, self.clock, self.cost)
         self.mail: deque[Callable[[], None]] = deque()
         """What was sent and is not delivered yet, in the order in which it was sent."""
         self.controller: Controller = parts.controller
@@ -104,9 +91,8 @@ class InProcessCell:
             parts.robot,
             loop,
             self._planner,
+            self.log,
             method=parts.setup.guided,
-            on_message=self.log.guided if camera is None else lambda *_: None,
-            on_point=self.log.streamed,
         )
         self.guide_player.carry(parts.setup.payload)
         self._guard = None
@@ -138,7 +124,7 @@ class InProcessCell:
         for channel, value in inputs.items():
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
-        self.log.begin(io, self._parts.cell_io.labels, self._inputs, mode)
+        self.log.begin(io, self._inputs, mode)
         setup = self._parts.setup
         self._host.open(setup.program, setup.points_file, setup.frames)
         self._host.mode_changed(mode)
@@ -180,7 +166,7 @@ class InProcessCell:
                 self.changed = True
         if changes:
             self._watch_inputs()
-        if self.cycle % self._watch_every == 0 and self.records.any_open:
+        if self.cycle % self._watch_every == 0 and self.log.motions.any_open:
             self._host.motions.watch()
         if self._host.reporter.due:
             self._host.reporter.report_in_time()
@@ -314,7 +300,7 @@ class InProcessCell:
     def motion_started(self) -> None:
         """The controller begins with the oldest motion."""
         if self._planner.motions:
-            self.records.started(self._planner.motions[0].id, self.clock.elapsed)
+            self.log.motions.started(self._planner.motions[0].id, self.clock.elapsed)
 
     def progressed(self, progress: float) -> None:
         """Done part of the path, in the period in which it was reached."""
@@ -348,7 +334,7 @@ class InProcessCell:
         if not result.blocked:
             if self._guard is not None:
                 self._guard.ended(result.id)
-            self.records.ended(result, self.clock.elapsed)
+            self.log.motions.ended(result, self.clock.elapsed)
         self.control.loop.ended(result)
         self._host.motions.result(result)
         self.changed = True

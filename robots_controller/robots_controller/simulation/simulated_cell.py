@@ -41,11 +41,7 @@ class SimulatedCell:
 
     Args:
         parts: Robot, program and blocks.
-        drive: Level of the drives.
-        bag: Folder of a bag to write, or None.
-        longest: Longest simulated time, s.
-        patience: Longest time of this machine from now on, s; checked between periods and motions.
-        on_progress: Called now and then: time in s, line of the program. For a progress bar.
+        drive, bag, longest, patience, on_progress: As of `simulate`.
 
     Raises:
         RobotsError: the bag's folder exists, or an unknown level.
@@ -86,7 +82,7 @@ class SimulatedCell:
         self._plc = ScriptedPlc(parts.cell_io.offline, self._cell.clock.now())
         self._cell.log.on_output = self._plc.output if self._bodies is None else self._bodies.output
         self._settled = False
-        self._deadlocks = DeadlockDetection(longest, self._recording)
+        self._stands_since = self._rests_since = 0.0  # s since the start
         self._interrupted = self._over = False
 
     def stop(self) -> None:
@@ -139,7 +135,7 @@ class SimulatedCell:
 
     @property
     def _at_rest(self) -> bool:
-        return self._stands and not self._cell.records.any_open
+        return self._stands and not self._cell.log.motions.any_open
 
     def _pass_over(self) -> bool:
         """Let periods pass at once in which nothing moves; False if there are too few."""
@@ -196,18 +192,31 @@ class SimulatedCell:
         if cell.changed:  # the program may continue
             return
         now = cell.clock.elapsed
-        reason = self._deadlocks.reason(
-            now,
-            expected=self._bodies is not None
-            or min(math.inf if cell.clock.busy else cell.wait, self._next_event) < math.inf,
-            at_rest=self._at_rest,
-            waiting=cell.clock.waiting,
-            busy=cell.clock.busy,
-        )
+        reason = self._deadlock(now)
         if reason:
             obstacle = cell.controller.obstacle
             self._give_up(f'{reason}: it is held before {obstacle}' if obstacle else reason)
         self._over = now >= self._longest
+
+    def _deadlock(self, now: float) -> str:
+        """Why the program does not end, '' as long as it may; now in s since its start."""
+        if now >= self._longest:
+            return f'it has not ended after {self._longest:g} s'
+        clock, at_rest = self._cell.clock, self._at_rest
+        wait = math.inf if clock.busy else self._cell.wait
+        expected = self._bodies is not None or min(wait, self._next_event) < math.inf
+        if not at_rest or expected:
+            self._rests_since = now
+        elif clock.busy:
+            forever = now - self._rests_since > BUSY_TIME
+            return 'it computes for ever: nothing is left that could change' if forever else ''
+        else:
+            return 'it waits for ever: nothing is left that could change' if clock.waiting else ''
+        if expected or not self._recording.standing(2):
+            self._stands_since = now
+        elif now - self._stands_since > STUCK_TIME:
+            return 'the robot stands in the middle of a motion, and nothing lets it go on'
+        return ''
 
     def _give_up(self, reason: str) -> None:
         cell = self._cell
@@ -275,8 +284,8 @@ class SimulatedCell:
             position=position,
             velocity=velocity,
             torque=torque,
-            motions=cell.records.all,
-            events=tuple(cell.events),
+            motions=cell.log.motions.all,
+            events=tuple(cell.log.events),
             state=cell.run_state.value,
             error=cell.error,
             interrupted=self._interrupted and cell.error is None,
@@ -284,41 +293,3 @@ class SimulatedCell:
             cost=cell.cost.seconds,
             processor_time=cell.cost.processor,
         )
-
-
-class DeadlockDetection:
-    """Finds a program that will never end; looked at once in each period that is not passed over.
-
-    Args:
-        longest: Longest time of the program, s.
-        recording: Of the robot.
-    """
-
-    def __init__(self, longest: float, recording: Recording) -> None:
-        self._longest, self._recording = longest, recording
-        self._stands_since = self._rests_since = 0.0
-
-    def reason(self, now: float, *, expected: bool, at_rest: bool, waiting: bool, busy: bool) -> str:
-        """Why the program does not end, '' as long as it may.
-
-        Args:
-            now: Since its start, s.
-            expected: Something will happen by itself: a wait ends, somebody else does something.
-            at_rest: The robot stands, and no motion is under way.
-            waiting: The program waits.
-            busy: It computes or asks again and again, without waiting for anything.
-        """
-        if now >= self._longest:
-            return f'it has not ended after {self._longest:g} s'
-        if not at_rest or expected:
-            self._rests_since = now
-        elif busy:
-            forever = now - self._rests_since > BUSY_TIME
-            return 'it computes for ever: nothing is left that could change' if forever else ''
-        else:
-            return 'it waits for ever: nothing is left that could change' if waiting else ''
-        if expected or not self._recording.standing(2):
-            self._stands_since = now
-        elif now - self._stands_since > STUCK_TIME:
-            return 'the robot stands in the middle of a motion, and nothing lets it go on'
-        return ''

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuideRep
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.record.cell_log import CellLog
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
@@ -33,7 +34,7 @@ class GuideSource(Protocol):
     """Where messages that guide the robot come from; times are in ns."""
 
     types: Mapping[str, str]
-    """package/msg/Name by topic."""
+    """package/msg/Name by topic, of the messages that are to be recorded."""
 
     @property
     def start(self) -> int | None:
@@ -88,9 +89,8 @@ class SimulatedGuide:
         robot: The robot.
         control: Follows the references.
         planner: Of the robot's motions.
+        log: Records messages and references.
         method: Inverse kinematics that follows poses, one of `METHODS`.
-        on_message: A message has come; with its type.
-        on_point: A point is sent to the controller at a time, with a time between two, ns; returns its id.
 
     Raises:
         RobotsError: an unknown method, or one that the robot has not.
@@ -102,13 +102,11 @@ class SimulatedGuide:
         robot: BaseRobotModel,
         control: ControlLoop,
         planner: MotionPlanner,
+        log: CellLog,
         *,
         method: str,
-        on_message: Callable[[GuidingMessage, str], None],
-        on_point: Callable[[StreamPoint, int, int], str],
     ) -> None:
-        self._control, self._planner = control, planner
-        self._on_message, self._on_point = on_message, on_point
+        self._control, self._planner, self._log = control, planner, log
         self._source = source
         self._sensor_times = PeriodicSchedule(SENSOR_PERIOD)
         self._jog_times = PeriodicSchedule(JOG_PERIOD)
@@ -190,7 +188,8 @@ class SimulatedGuide:
                 self._jog(message)
             else:
                 self._follow(message)
-            self._on_message(message, source.types[message.topic])
+            if message.topic in source.types:
+                self._log.guided(message, source.types[message.topic])
         self._step_jogging(nanoseconds)
 
     def _step_jogging(self, nanoseconds: int) -> None:
@@ -226,7 +225,7 @@ class SimulatedGuide:
         if step is not None:
             due = (time + period) / NANOSECONDS
             point = StreamPoint(step.q, step.q_dot, step.q_ddot, due)
-            self._control.stream(point, self._on_point(point, time, period))
+            self._control.stream(point, self._log.streamed(point, time, period))
 
 
 def guide_of_cell(parts: CellParts) -> GuideSource | None:

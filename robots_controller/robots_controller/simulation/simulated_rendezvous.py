@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 
 from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.io.io_image import Channel
@@ -9,7 +10,7 @@ from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.simulation.simulated_guide import SensorSource
 from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
-from robots_core.blocks.floating_base.rendezvous_messages import POSE, TWIST, TYPES, RendezvousMessages
+from robots_core.blocks.floating_base.rendezvous_messages import POSE, TWIST, RendezvousMessages
 from robots_core.blocks.following.guide import Guide
 
 
@@ -21,7 +22,7 @@ class SimulatedRendezvous(SensorSource):
         robot: The robot's name.
     """
 
-    types: Mapping[str, str] = TYPES
+    types: Mapping[str, str] = MappingProxyType({})  # its messages are all recorded in `after_step`
 
     def __init__(self, rendezvous: Rendezvous, robot: str) -> None:
         super().__init__()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +16,7 @@ from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
+from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.events import (
@@ -26,12 +29,13 @@ from robots_controller.simulation.record.events import (
     ProgramStateChanged,
     TextPrinted,
 )
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.ros_messages import BUILD
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
+from robots_controller.simulation.simulation_run import SimulatedMotion
 from robots_core.base_frames import BASE_FRAME
 from robots_core.blocks.following.guide import Guide
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
@@ -44,33 +48,84 @@ from robots_planning.robot_command_state import RobotCommandState
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 
 
+class MotionRecords:
+    """What became of each motion command of a program; all times in s since its start."""
+
+    def __init__(self) -> None:
+        self._motions: dict[str, SimulatedMotion] = {}
+        self._open: set[str] = set()
+
+    @property
+    def all(self) -> tuple[SimulatedMotion, ...]:
+        """In the order of their commands."""
+        return tuple(self._motions.values())
+
+    @property
+    def any_open(self) -> bool:
+        """A command has no result yet."""
+        return bool(self._open)
+
+    def commanded(self, id_: str, command: MotionCommand, file: str, now: float) -> None:
+        """A motion of a program or subprogram was commanded."""
+        self._motions[id_] = SimulatedMotion(id_, command, file, now)
+        self._open.add(id_)
+
+    def configured(self, id_: str, settings: MotionSettings) -> None:
+        """The planner has these settings for a motion."""
+        self._change(id_, settings=settings)
+
+    def refused(self, command: MotionCommand, error: RobotsError, now: float) -> None:
+        """A command was refused before it had an id."""
+        id_ = f'refused {len(self._motions)}'
+        self.commanded(id_, command, '', now)
+        self.ended(MotionResult.refused(id_, error), now)
+
+    def planned(self, plan: MotionPlan) -> None:
+        """A chain of commands was planned.
+
+        Some of them may be in an earlier plan too, which this one carries on.
+        """
+        ends = plan.ends
+        for id_, (start, end) in zip(ends, pairwise((0.0, *ends.values())), strict=True):
+            places = {'start_on_plan': start, 'end_on_plan': end}
+            self._change(id_, plan=plan.motion, chain=tuple(ends), started=math.nan, **places)
+
+    def started(self, id_: str, now: float) -> None:
+        """The controller follows the plan with the id of this command."""
+        first = self._motions[id_]
+        if math.isnan(first.started):
+            for member in first.chain:
+                if self._motions[member].plan is first.plan:
+                    self._change(member, started=now)
+
+    def ended(self, result: MotionResult, now: float) -> None:
+        """A motion has its result."""
+        if result.id in self._open:
+            self._open.remove(result.id)
+            self._change(result.id, ended=now, ok=result.ok, message=result.message)
+
+    def _change(self, id_: str, **changes: Any) -> None:
+        self._motions[id_] = replace(self._motions[id_], **changes)
+
+
 class CellLog(ProgramObserver):
     """Called by the thread that has the turn, see `SimulatedClock`.
 
     Args:
-        events: Takes the events.
-        motions: Take the motions.
+        parts: Those of the cell.
         bag: Takes the messages; None for none.
         clock: Simulated time.
         cost: Takes what writing costs.
-        robot: The robot's name.
-        joints: Names of its axes.
     """
 
-    def __init__(
-        self,
-        events: list[Event],
-        motions: MotionRecords,
-        bag: SimulatedBag | None,
-        clock: SimulatedClock,
-        cost: Cost,
-        *,
-        robot: str,
-        joints: tuple[str, ...],
-    ) -> None:
-        self._events, self._motions = events, motions
+    def __init__(self, parts: CellParts, bag: SimulatedBag | None, clock: SimulatedClock, cost: Cost) -> None:
+        self.events: list[Event] = []
+        """What has happened besides motion, in the order of time."""
+        self.motions = MotionRecords()
+        """What became of each motion."""
         self._bag, self._clock, self._cost = bag, clock, cost
-        self._robot, self._joints = robot, joints
+        self._labels, self._robot = parts.cell_io.labels, parts.robot_name
+        self._joints = parts.robot.axes_data.names
         self._state: RunState | None = None
         self._latest = 0  # ns, of the messages that were written
         self._last_command = -1  # ns
@@ -85,7 +140,6 @@ class CellLog(ProgramObserver):
     def begin(
         self,
         io: IoImage,
-        labels: Mapping[str, Sequence[str]],
         inputs: Mapping[str, int],
         mode: OperatingMode,
     ) -> None:
@@ -93,13 +147,13 @@ class CellLog(ProgramObserver):
 
         Args:
             io: The program's inputs and outputs.
-            labels: Names of inputs and outputs, by image; in a live cell they are parameters of a node.
             inputs: Images of the inputs that the PLC sets, and the number of its inputs in each.
             mode: The operating mode.
         """
         self.io = io
-        if self._bag is not None and labels:
-            names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
+        if self._bag is not None and self._labels:
+            # In a live cell they are parameters of a node.
+            names = {f'{image.removesuffix("s")}_names': names for image, names in self._labels.items()}
             event = ros.string_parameters(self._clock.stamp, '/lua_program_node', names)
             self._write('/parameter_events', event)
         self.report('forced_inputs', forced_status({}), owner='/lua_program_node')
@@ -125,38 +179,38 @@ class CellLog(ProgramObserver):
             status = replace(status, text=error, level=Level.ERROR, values=values)
         if state is not self._state:
             self._state = state
-            self._events.append(ProgramStateChanged(self._clock.elapsed, state.value))
+            self.events.append(ProgramStateChanged(self._clock.elapsed, state.value))
         self.report('program_status', status)
 
     def line_reached(self, line: int) -> None:
         """See `ProgramObserver`."""
-        self._events.append(LineReached(self._clock.elapsed, line))
+        self.events.append(LineReached(self._clock.elapsed, line))
 
     def printed(self, text: str, line: int) -> None:
         """See `ProgramObserver`."""
         if len(text) > LONGEST_TEXT:
             text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
-        self._events.append(TextPrinted(self._clock.elapsed, line, text))
+        self.events.append(TextPrinted(self._clock.elapsed, line, text))
         if self._bag is not None:
             self._write('/rosout', ros.log(self._clock.stamp, 'lua_program_node.print', text))
 
     def command_state(self, state: RobotCommandState) -> None:
         """See `ProgramObserver`."""
-        self._events.append(CommandStateChanged(self._clock.elapsed, state.value))
+        self.events.append(CommandStateChanged(self._clock.elapsed, state.value))
         self.value('command_state', state.value)
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""
-        self._motions.commanded(id_, command, file, self._clock.elapsed)
+        self.motions.commanded(id_, command, file, self._clock.elapsed)
 
     def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
         """See `ProgramObserver`."""
         if not id_ and error is not None:
-            self._motions.refused(command, error, self._clock.elapsed)
+            self.motions.refused(command, error, self._clock.elapsed)
 
     def override(self, value: float) -> None:
         """The program scales the speed."""
-        self._events.append(OverrideChanged(self._clock.elapsed, value))
+        self.events.append(OverrideChanged(self._clock.elapsed, value))
         self.value('override', value)
 
     # -- inputs and outputs -----------------------------------------------------------------------
@@ -164,13 +218,13 @@ class CellLog(ProgramObserver):
     def outputs_changed(self, change: OutputChange) -> None:
         """See `ProgramObserver`."""
         event = OutputChanged(self._clock.elapsed, change.kind, change.index, change.value, change.line)
-        self._events.append(event)
+        self.events.append(event)
         self.image(f'{change.kind}_outputs')
         self.on_output(f'{change.kind}_output.{change.index}', change.value)
 
     def input(self, channel: Channel, value: float, size: int) -> None:
         """The PLC, which publishes so many inputs, has set one."""
-        self._events.append(InputChanged(self._clock.elapsed, channel.kind, channel.index, value))
+        self.events.append(InputChanged(self._clock.elapsed, channel.kind, channel.index, value))
         self.image(channel.image, size=size)
         self.image(channel.image, 'lua_program_node/')
 
@@ -195,7 +249,7 @@ class CellLog(ProgramObserver):
 
     def command(self, id_: str, command: MotionCommand, settings: MotionSettings) -> None:
         """A motion was commanded; its stamp is its id."""
-        self._motions.configured(id_, settings)
+        self.motions.configured(id_, settings)
         if self._bag is None:
             return
         stamp = _nanoseconds(id_)
@@ -206,7 +260,7 @@ class CellLog(ProgramObserver):
 
     def planned(self, plan: MotionPlan) -> None:
         """A plan goes to the controller."""
-        self._motions.planned(plan.ends, plan.motion)
+        self.motions.planned(plan)
         if self._bag is not None:
             self.report('motion_plan', plan.status)
             times, rows = plan.trajectory.points_of_message(plan.join_time)
@@ -235,14 +289,14 @@ class CellLog(ProgramObserver):
     def wrench(self, wrench: Array) -> None:
         """A force/torque sensor has measured a wrench (6,), N and N m, on the tool."""
         if self._bag is not None:
-            self._bag.wrench(self._clock.nanoseconds, wrench)
+            self._bag.add_row('measured_wrench', self._clock.nanoseconds, wrench)
 
     # -- the rest ---------------------------------------------------------------------------------
 
     def progress(self, progress: float) -> None:
         """Done part of the current path."""
         if self._bag is not None:
-            self._bag.progress(self._clock.nanoseconds, progress)
+            self._bag.add_row('motion_progress', self._clock.nanoseconds, progress)
 
     def value(self, topic: str, value: bool | float | str) -> None:  # noqa: FBT001
         """Write a state of the cell that is one value."""

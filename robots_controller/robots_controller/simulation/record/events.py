@@ -1,4 +1,4 @@
-"""What happens in a simulated cell besides motion, each with its time in s since the start."""
+"""What happens in a simulated cell besides motion."""
 
 from dataclasses import dataclass
 
@@ -6,43 +6,45 @@ from robots_controller.io.io_image import Kind
 
 
 @dataclass(frozen=True)
-class ProgramStateChanged:
-    """The program was opened, runs, or has ended: a value of `RunState`."""
+class Event:
+    """What has happened at a time, s since the start."""
 
     time: float
+
+
+@dataclass(frozen=True)
+class ProgramStateChanged(Event):
+    """The program was opened, runs, or has ended: a value of `RunState`."""
+
     state: str
 
 
 @dataclass(frozen=True)
-class LineReached:
+class LineReached(Event):
     """The program calls a robot function on another line than before."""
 
-    time: float
     line: int
 
 
 @dataclass(frozen=True)
-class TextPrinted:
+class TextPrinted(Event):
     """The program printed."""
 
-    time: float
     line: int
     text: str
 
 
 @dataclass(frozen=True)
-class CommandStateChanged:
+class CommandStateChanged(Event):
     """The robot is commanded to do something else: a value of `RobotCommandState`."""
 
-    time: float
     state: str
 
 
 @dataclass(frozen=True)
-class OutputChanged:
+class OutputChanged(Event):
     """An output has another value; the line is that of the program which asked for it."""
 
-    time: float
     kind: Kind
     index: int
     value: float
@@ -50,29 +52,16 @@ class OutputChanged:
 
 
 @dataclass(frozen=True)
-class InputChanged:
+class InputChanged(Event):
     """An input has another value."""
 
-    time: float
     kind: Kind
     index: int
     value: float
 
 
 @dataclass(frozen=True)
-class OverrideChanged:
+class OverrideChanged(Event):
     """The program scales the speed of all motions, 0..1."""
 
-    time: float
     value: float
-
-
-Event = (
-    ProgramStateChanged
-    | LineReached
-    | TextPrinted
-    | CommandStateChanged
-    | OutputChanged
-    | InputChanged
-    | OverrideChanged
-)

@@ -51,8 +51,10 @@ class SimulatedBag:
         self._robot = robot
         self._recording = recording
         self._written = 0
-        self._progress: list[tuple[int, float]] = []
-        self._wrenches: list[tuple[int, Array]] = []
+        self._waiting: dict[str, list[tuple[int, float | Array]]] = {
+            'measured_wrench': [],
+            'motion_progress': [],
+        }
         self._names = robot.axes_data.names
         self._tcp_every = max(1, round(1.0 / (TCP_RATE * period)))
         self._connections: dict[str, Connection] = {}
@@ -84,13 +86,9 @@ class SimulatedBag:
         with self._ended_by_errors():
             self._writer.write(self._connection(topic, type_name), START + nanoseconds, data)
 
-    def progress(self, nanoseconds: int, progress: float) -> None:
-        """Write done part of the current path, with the samples."""
-        self._progress.append((nanoseconds, progress))
-
-    def wrench(self, nanoseconds: int, wrench: Array) -> None:
-        """Write a measured wrench (6,), N and N m, with the samples."""
-        self._wrenches.append((nanoseconds, wrench))
+    def add_row(self, topic: str, nanoseconds: int, values: float | Array) -> None:
+        """Write the values of a message with the samples: `motion_progress`, or `measured_wrench` (6,)."""
+        self._waiting[topic].append((nanoseconds, values))
 
     @property
     def room(self) -> int:
@@ -119,14 +117,11 @@ class SimulatedBag:
         positions = state[every, 0]
         if len(positions):
             self._write_rows('tcp_pose', stamps[every], self._tcp_poses(positions))
-        if self._wrenches:
-            times, wrenches = zip(*self._wrenches, strict=True)
-            self._wrenches.clear()
-            self._write_rows('measured_wrench', START + np.array(times), [np.array(wrenches)])
-        if self._progress:
-            times, values = zip(*self._progress, strict=True)
-            self._progress.clear()
-            self._write_rows('motion_progress', START + np.array(times), [np.array(values)])
+        for topic, rows in self._waiting.items():
+            if rows:
+                times, values = zip(*rows, strict=True)
+                rows.clear()
+                self._write_rows(topic, START + np.array(times), [np.array(values)])
 
     def close(self) -> None:
         """Write what has come and end."""
