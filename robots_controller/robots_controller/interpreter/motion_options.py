@@ -62,27 +62,24 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
     Raises:
         LuaCallError: naming the option, what came and what is valid.
     """
-    blend_argument = _BLENDS[function.options]
-    blend, avoid, on_blocked = 0.0, None, None
-    switches: tuple[PathSwitch, ...] = ()
+    blend = _BLENDS[function.options]
     # What moves on a path of the tool does not leave it.
-    joint = ('on_blocked',) if function.options == 'joint' else ()
-    known = (blend_argument.name, 'avoid', *joint, 'on_path')
+    joint = {'on_blocked': _ON_BLOCKED} if function.options == 'joint' else {}
+    known = {blend.name: blend, 'avoid': _AVOID, **joint}
+    values: dict[str, Any] = {}
     for key, given in table.fields.items():
-        if key == blend_argument.name:
-            blend = check_value(function.name, f'options.{key}', blend_argument, given, sizes)
-        elif key == 'avoid':
-            avoid = bool(check_value(function.name, 'options.avoid', _AVOID, given, sizes))
-        elif key in joint:
-            on_blocked = check_value(function.name, f'options.{key}', _ON_BLOCKED, given, sizes)
+        if key in known:
+            values[key] = check_value(function.name, f'options.{key}', known[key], given, sizes)
         elif key == 'on_path':
-            switches = _check_switches(function.name, given, sizes)
+            values['switches'] = _check_switches(function.name, given, sizes)
         else:
             raise LuaCallError(
-                f'{function.name}: options has no {key}{did_you_mean(key, known)}; valid are '
-                f'{blend_argument.name} ({blend_argument.unit}), {", ".join(known[1:-1])} and {known[-1]}'
+                f'{function.name}: options has no {key}{did_you_mean(key, (*known, "on_path"))}; valid are '
+                f'{blend.name} ({blend.unit}), {", ".join([*known][1:])} and on_path'
             )
-    return MotionOptions(blend, avoid, on_blocked, switches)
+    if 'avoid' in values:
+        values['avoid'] = bool(values['avoid'])
+    return MotionOptions(blend=values.pop(blend.name, 0.0), **values)
 
 
 def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[PathSwitch, ...]:
