@@ -98,9 +98,6 @@ class GuideReplay:
     """Plays a recording from when the program hands its robot over for the first time.
 
     Jog commands that come while the program does not let anybody jog are left out.
-
-    Args:
-        recording: What guides the robot.
     """
 
     def __init__(self, recording: GuideRecording) -> None:

@@ -17,12 +17,7 @@ from robots_planning.motion_settings import MotionSettings
 
 
 class MeasuredRobot(ProgramRobot):
-    """See `ProgramRobot`.
-
-    Args:
-        robot: The robot.
-        port: Measures it.
-    """
+    """See `ProgramRobot`."""
 
     def __init__(self, robot: BaseRobotModel, port: RobotPort) -> None:
         self._robot, self._port = robot, port

@@ -18,12 +18,7 @@ STANDING = 0.01  # rad/s (m/s) of measured axes, whose velocity is never quite 0
 
 
 class PointTeaching:
-    """Stores where the robot stands in the points file of the open program.
-
-    Args:
-        robot: The robot.
-        program: The program.
-    """
+    """Stores where the robot stands in the points file of the open program."""
 
     def __init__(self, robot: BaseRobotModel, program: LuaProgram) -> None:
         self._teaching, self._program = Teaching(robot), program

@@ -272,11 +272,7 @@ class PrimitiveMotions(PlannerPort):
 
 
 class PrimitiveControl:
-    """The robot's own controller: `ControllerPort`. Nobody else commands the robot through this suite.
-
-    Args:
-        motions: The motions of the program.
-    """
+    """The robot's own controller: `ControllerPort`. Nobody else commands the robot through this suite."""
 
     def __init__(self, motions: PrimitiveMotions) -> None:
         self.request, self.set_override = motions.request, motions.set_override

@@ -43,9 +43,7 @@ class ProgramHost(CellPort):
         planner: Plans motions.
         controller: Follows them.
         observer: Gets the reports.
-        digital_size: Number of digital inputs, and of digital outputs.
-        analog_size: Number of analog inputs, and of analog outputs.
-        io_labels: Names of inputs and outputs, see `IoImage`.
+        digital_size, analog_size, io_labels: As of `LuaProgram`.
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
         fail_safe: Values of outputs when no program controls them, see `make_outputs_safe`.

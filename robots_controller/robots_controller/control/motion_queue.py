@@ -24,9 +24,6 @@ class MotionQueue:
     A motion that starts where the one before it ends waits for its turn. One that joins the running one at a
     path time, with its position, velocity and acceleration there, takes its place from then on. One that
     joins the last one before its end carries that one on: what is left of it then is not followed.
-
-    Args:
-        axes: The robot's axes.
     """
 
     def __init__(self, axes: AxesData) -> None:

@@ -14,12 +14,7 @@ LATE = 1e-3  # of the path speed; the rounding of one that follows its cap is le
 
 
 class PathFollowing:
-    """Samples a path as far as its speed permits, and averages the samples.
-
-    Args:
-        axes: The robot's limits.
-        settings: See `ControllerSettings`.
-    """
+    """Samples a path as far as its speed permits, and averages the samples."""
 
     def __init__(self, axes: AxesData, settings: ControllerSettings) -> None:
         self._axes, self._period = axes, settings.period

@@ -38,12 +38,6 @@ class ProgramRun:
     """Serves the sandbox: the functions of `LUA_FUNCTIONS`, subprograms, interrupts, and the debugger.
 
     The sandbox calls it from the program's thread; every such method may raise ProgramStopped.
-
-    Args:
-        source: The text of the program.
-        program: The program.
-        cell: The cell.
-        view: The robot as the program reads it.
     """
 
     def __init__(self, source: LuaSource, program: LuaProgram, cell: CellPort, view: RobotView) -> None:

@@ -19,11 +19,7 @@ class _Task:
 
 
 class BackgroundTasks:
-    """What each task waits for. Not safe by itself: the program's state guards it.
-
-    Args:
-        clock: The program's time.
-    """
+    """What each task waits for. Not safe by itself: the program's state guards it."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock

@@ -29,13 +29,7 @@ class ProgramState:
     One condition variable guards all changes and wakes all waiting threads; a stop interrupts every wait.
     The attributes may be read at any time; methods change them.
 
-    Args:
-        num_axes: n.
-        digital: Number of digital inputs, and of digital outputs.
-        analog: Number of analog inputs, and of analog outputs.
-        clock: The program's time.
-        labels: Names of the channels of an image, see `IoImage`.
-        prismatic: Per axis, whether it slides; () if unknown.
+    The arguments are those of `LuaProgram`, and the clock of its cell.
 
     Attributes:
         io: All inputs and outputs.

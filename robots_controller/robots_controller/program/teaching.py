@@ -24,9 +24,6 @@ class Teaching:
     """Changes points files and programs, each change whole, and takes changes back.
 
     A points file that is not valid is never written.
-
-    Args:
-        robot: The robot.
     """
 
     def __init__(self, robot: BaseRobotModel) -> None:

@@ -23,11 +23,7 @@ if TYPE_CHECKING:
 
 
 class InProcessController(ControlPort, ControllerPort):
-    """Both ends of the messages between the controller and the cell.
-
-    Args:
-        cell: The cell.
-    """
+    """Both ends of the messages between the controller and the cell."""
 
     def __init__(self, cell: InProcessCell) -> None:
         self._cell, self.controller = cell, cell.controller

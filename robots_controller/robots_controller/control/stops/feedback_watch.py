@@ -29,13 +29,7 @@ SETTLED: Final = 1.0  # s from the end of a reference until the robot stands, wh
 
 
 class FeedbackWatch:
-    """Judges the feedback of each period, all axes at once.
-
-    Args:
-        axes: The robot's limits.
-        settings: See `ControllerSettings`.
-        share: See `Watchdog`.
-    """
+    """Judges the feedback of each period, all axes at once."""
 
     def __init__(self, axes: AxesData, settings: ControllerSettings, share: Callable[[], float]) -> None:
         self._axes, self._settings = axes, settings

@@ -9,13 +9,7 @@ from robots_controller.io.stopping_inputs import Closing, Stopping, closed_zones
 
 
 class WatchedInputs:
-    """Passes on what an image of the inputs changes.
-
-    Args:
-        control: The controller.
-        emergency: Inputs that stop the robot.
-        zones: Inputs that close zones.
-    """
+    """Passes on what an image of the inputs changes."""
 
     def __init__(self, control: ControlLoop, emergency: Stopping, zones: Closing) -> None:
         self._control, self._emergency, self._zones = control, emergency, zones

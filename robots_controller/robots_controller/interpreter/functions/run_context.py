@@ -140,11 +140,7 @@ class RunContext:
 
 
 class Family:
-    """Functions of robot programs that belong together: rows of the table, and what they do.
-
-    Args:
-        run: The run.
-    """
+    """Functions of robot programs that belong together: rows of the table, and what they do."""
 
     def __init__(self, run: RunContext) -> None:
         self._run = run

@@ -33,14 +33,7 @@ Check = Callable[[str, Sequence[LuaArgument]], Arguments]
 
 
 class Search(Family):
-    """Searches by motions.
-
-    Args:
-        run: The run.
-        motions: Moves the robot.
-        sizes: What bounds arguments.
-        check: Checks the arguments of the motion.
-    """
+    """Searches by motions."""
 
     def __init__(self, run: RunContext, motions: Motions, sizes: Sizes, check: Check) -> None:
         super().__init__(run)

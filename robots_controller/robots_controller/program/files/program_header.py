@@ -33,12 +33,7 @@ class ProgramHeader:
 
     Attributes:
         robot: The robot's name; '' if the header has none.
-        scene: What the robot keeps clear of (YAML); '' for nothing.
-        io: Script of the PLC that the program works with (YAML); '' for none.
-        references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
-        contact: What its tool touches, and force control there (see `read_contact`); '' for nothing.
-        orbit: Orbit in which the robot's base floats (YAML); '' for a robot that stands.
-        cabin: Cabin that the robot carries (YAML); '' for none.
+        scene: As of `simulate`, and so are the five that follow; '' if the header has none.
         file: The program's file name.
         lines: Its lines, by what they name.
     """

@@ -33,11 +33,7 @@ class RobotView:
 
 
 class MotionTarget:
-    """Where the last motion leads, so that relative ones add up without the feedback's error.
-
-    Args:
-        cell: Measures joint positions and computes kinematics.
-    """
+    """Where the last motion leads, so that relative ones add up without the feedback's error."""
 
     def __init__(self, cell: CellPort) -> None:
         self._cell = cell
