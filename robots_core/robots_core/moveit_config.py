@@ -25,11 +25,7 @@ _HEADER: Final = '# Made by `moveit_config`.\n'
 
 
 def moveit_files(robot: BaseRobotModel) -> dict[str, str]:
-    """Contents of the files, by their names: the robot, and parameters of MoveIt's `move_group`.
-
-    Args:
-        robot: The robot.
-    """
+    """Contents of the files, by their names: the robot, and parameters of MoveIt's `move_group`."""
     name = str(etree.fromstring(robot.description.encode()).get('name'))
     return {
         f'{name}.urdf': robot.description,
@@ -148,14 +144,7 @@ def main() -> NoReturn:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Write the files for a robot, and print their names.
-
-    Args:
-        arguments: Those of the command line.
-
-    Returns:
-        An exit code.
-    """
+    """Write the files for the robot of a command line, and print their names; returns an exit code."""
     parser = argparse.ArgumentParser(
         prog='moveit_config',
         description='Write URDF, SRDF, limits, kinematics and controllers of a robot for MoveIt 2.',

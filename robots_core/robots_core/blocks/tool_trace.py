@@ -19,11 +19,8 @@ THICKNESS = 3.0  # pixels
 class ToolTrace:
     """A line that grows with the tool's position.
 
-    It is kept in short pieces, so that the data per new point does not grow with the line.
-
-    Args:
-        server: The page.
-        name: Path of the line in the page's scene tree.
+    It is kept in short pieces, so that the data per new point does not grow with the line. Its name is its
+    path in the page's scene tree.
     """
 
     def __init__(self, server: viser.ViserServer, name: str) -> None:

@@ -26,10 +26,6 @@ class KernelContent:
     """What the machine code of a function is made of: the stamp that Numba compares with that of kept code.
 
     Found when it is first compared: then the functions that this one calls are defined, even those below it.
-
-    Args:
-        function: The function.
-        options: Of its compilation.
     """
 
     def __init__(self, function: Callable[..., Any], **options: object) -> None:

@@ -12,10 +12,9 @@ from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, 
 
 
 class KinematicModel:
-    """The paper's KinematicModel: coordinate frames of every axis for given joint positions, by Pinocchio.
+    """The paper's KinematicModel: coordinate frames of every axis for given joint positions.
 
-    Args:
-        model: With one position per joint.
+    They are computed by Pinocchio, whose model has one position per joint.
     """
 
     def __init__(self, model: pin.Model) -> None:
@@ -49,11 +48,9 @@ class KinematicModel:
 class RigidDynamicsModel:
     """The paper's RigidDynamicsModel: joint torques of the rigid multibody chain under gravity.
 
-    Recursive Newton-Euler and composite rigid body algorithms (Featherstone 2008) by Pinocchio. Every method
-    raises InvalidInputError for an argument of another shape or not finite.
-
-    Args:
-        model: With one position per joint.
+    Recursive Newton-Euler and composite rigid body algorithms (Featherstone 2008) by Pinocchio, whose model
+    has one position per joint. Every method raises InvalidInputError for an argument of another shape or not
+    finite.
 
     Attributes:
         masses: (n + 1,) kg; entry 0 is the base, entry i the body moved by axis i.

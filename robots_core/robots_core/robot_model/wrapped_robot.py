@@ -11,11 +11,7 @@ def _as_the_robot_has(name: str) -> Any:
 
 
 class WrappedRobot(BaseRobotModel):
-    """All as the robot has it; subclasses override what differs.
-
-    Args:
-        robot: The robot.
-    """
+    """All as the robot has it; subclasses override what differs."""
 
     def __init__(self, robot: BaseRobotModel) -> None:
         self.robot = robot

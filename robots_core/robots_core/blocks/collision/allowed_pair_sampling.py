@@ -61,9 +61,6 @@ def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:
     contact. Other pairs are proven to be always apart, within a budget: the range of the axes between them
     is bisected into boxes until in each one the distance at its centre exceeds the largest approach within
     the box.
-
-    Args:
-        robot: The robot.
     """
     frames = {solid.name: solid.frame for solid in robot_solids(robot)}
     reasons: dict[Pair, str] = {
@@ -91,13 +88,9 @@ def distant_pairs(robot: BaseRobotModel) -> tuple[SolidSet, list[Pair]]:
 def always_in_contact(
     solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], samples: int
 ) -> set[Pair]:
-    """The named pairs that are at most `ALWAYS_GAP` apart in mid-range and at random joint positions.
+    """The pairs that are at most `ALWAYS_GAP` apart in mid-range and at so many random joint positions.
 
-    Args:
-        solids: Solids with their pairs.
-        robot: The robot.
-        names: Shapes that the pairs of solids belong to; several may have the same name.
-        samples: Number of random joint positions.
+    The names are those of the shapes that the pairs of solids belong to; several may have the same name.
     """
     low, high = robot.axes_data.one_turn
     random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
@@ -113,13 +106,10 @@ def always_in_contact(
 
 
 def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], budget: int) -> set[Pair]:
-    """The named pairs that are proven to be apart at all joint positions inside the limits.
+    """The pairs that are proven to be apart at all joint positions inside the limits.
 
-    Args:
-        solids: Solids with their pairs.
-        robot: The robot.
-        names: Shapes that the pairs of solids belong to; several may have the same name.
-        budget: Joint positions evaluated for the proofs of the pairs between two frames.
+    The names are as for `always_in_contact`; `budget` is the number of joint positions for the proofs of the
+    pairs between two frames.
     """
     frame = np.array([solid.frame for solid in solids.solids])
     between = np.stack([frame[solids.first], frame[solids.second]], axis=1)

@@ -14,12 +14,9 @@ from robots_core.validation import Array
 
 
 class CollisionEngine(ABC):
-    """A set of solids as objects of a library.
+    """A set of solids, identified by their index, as objects of a library.
 
     The libraries have one origin, and share names; subclasses have what differs.
-
-    Args:
-        solids: All solids; they are identified by their index.
     """
 
     library: ClassVar[Any]

@@ -17,13 +17,9 @@ class FloatingDrive(DriveTrain):
     """Drives of any level, and the bodies in orbit that they move.
 
     The base reacts to the motion of the joints, and the torques are those that this motion takes, of level
-    `rigid_body` those of the motors. A grasp strikes the joints, which yield if their drives have
-    masses, and hold otherwise.
-    What the arm carries changes by a grasp alone: a payload that a program sets counts in its plans.
-
-    Args:
-        drives: The drives of the joints.
-        rendezvous: The bodies, at the same joint positions.
+    `rigid_body` those of the motors. A grasp strikes the joints, which yield if their drives have masses, and
+    hold otherwise. What the arm carries changes by a grasp alone: a payload that a program sets counts in its
+    plans.
     """
 
     rendezvous: Rendezvous

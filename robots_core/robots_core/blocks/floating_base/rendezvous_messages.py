@@ -23,25 +23,14 @@ TYPES: Final[Mapping[str, str]] = {
 
 
 class RendezvousMessages:
-    """What the camera measures, what becomes of a grasp, and poses and momentum.
-
-    Args:
-        rendezvous: The bodies.
-        build: Builds the messages.
-        robot: Its name.
-    """
+    """What the camera measures, what becomes of a grasp, and poses and momentum."""
 
     def __init__(self, rendezvous: Rendezvous, build: MessageBuilder, robot: str) -> None:
         self._rendezvous, self._build, self._robot = rendezvous, build, robot
         self._report: str | None = None
 
     def after_step(self, stamp: Any, reference: tuple[Pose, Array] | None) -> Iterator[tuple[str, Any]]:
-        """The messages after a step, each with its topic.
-
-        Args:
-            stamp: Their stamp.
-            reference: That of the bodies.
-        """
+        """The messages after a step that led to this reference of the bodies, each with its topic."""
         bodies, build = self._rendezvous, self._build
         if reference is not None:
             yield POSE, build.pose_stamped(stamp, reference[0])

@@ -13,10 +13,6 @@ from robots_core.validation import Array
 class LoadedRobot(WrappedRobot):
     """The same robot with a payload on tool0, in all torques and masses.
 
-    Args:
-        robot: The robot.
-        payload: What it carries.
-
     Raises:
         InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
     """

@@ -23,17 +23,12 @@ SMALL: Final = Sphere(1e-9)  # stands at the border's place where no distance to
 
 
 class ZoneClearance:
-    """Clearances of solids of a robot from the border of one zone.
+    """Clearances of solids from the border of one zone, moved by the axes of a robot.
 
     A clearance is how far a solid may move, in whatever direction, before it crosses the border; below 0 it
     has, and would have to move so far along one of the region's normals to be back. Distances from walls are
     exact for solids of any kind, those from a box to keep out of are proven (see `nearest_points`). An
     instance keeps scratch memory: use one per thread.
-
-    Args:
-        robot: The robot.
-        zone: The zone.
-        solids: What is kept in or out, moved by the robot's axes.
     """
 
     def __init__(self, robot: BaseRobotModel, zone: Zone, solids: Sequence[Solid]) -> None:

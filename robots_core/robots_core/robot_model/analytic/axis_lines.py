@@ -63,10 +63,7 @@ class AxisLines:
         return cls(robot.name, directions, points, *robot.direct_kinematics(zero))
 
     def common_direction(self, *axes: int) -> tuple[Array, Array, float]:
-        """The direction that parallel axes share.
-
-        Args:
-            axes: Axes, counted from 1.
+        """The direction that parallel axes share, which are counted from 1.
 
         Returns:
             Unit vector (3,) in the sense of the first axis; the sign of each axis along it; the largest
@@ -88,10 +85,7 @@ class AxisLines:
         return mean, signs, deviation
 
     def common_point(self, *axes: int) -> tuple[Array, float]:
-        """The point where axes meet.
-
-        Args:
-            axes: Axes, counted from 1.
+        """The point where axes meet, which are counted from 1.
 
         Returns:
             The point (3,) m; the largest distance of an axis from it, m.

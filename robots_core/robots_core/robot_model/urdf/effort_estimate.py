@@ -17,13 +17,7 @@ SMALLEST: Final = 1.0  # N m (N)
 
 
 def with_known_efforts(chain: UrdfChain, model: pin.Model, substitutions: Substitutions) -> UrdfChain:
-    """The chain with estimates in the place of efforts that are unknown, or too small to carry the robot.
-
-    Args:
-        chain: The chain.
-        model: Its model.
-        substitutions: Receives what is substituted.
-    """
+    """The chain with estimates in the place of efforts that are unknown, or too small to carry the robot."""
     unknown = np.array(chain.unknown_effort, dtype=bool)
     lacking = 'no effort limit above 0, as effort in <limit> or as max_effort in joint_limits.yaml'
     if sum(body.mass for body in list(model.inertias)[1:]) == 0.0:

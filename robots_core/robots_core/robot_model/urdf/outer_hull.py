@@ -64,9 +64,6 @@ def outer_hull(mesh: Mesh) -> Mesh:
     The planes of a discrete oriented polytope (Klosowski et al. 1998) with 26 directions come first, then the
     faces of the convex hull that cut off most, until no corner is farther than `EXCESS` outside of a face, or
     there are `MOST_PLANES`.
-
-    Args:
-        mesh: Any mesh.
     """
     try:
         hull = ConvexHull(mesh.vertices)

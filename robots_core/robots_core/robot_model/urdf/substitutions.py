@@ -56,12 +56,7 @@ class Substitutions:
 
 
 def note_other_base(model: pin.Model, base: str, substitutions: Substitutions) -> None:
-    """Note a link `base` that is not where the base of the robot is: messages name that by the same name.
-
-    Args:
-        model: The robot.
-        base: Its base link.
-        substitutions: Receives what is taken in its place.
+    """Note a link `base` that is not where the robot's base link is: messages name that by the same name.
 
     Raises:
         UnknownRobotError: there is one, and substitutions are refused.

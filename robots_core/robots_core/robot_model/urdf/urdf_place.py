@@ -18,12 +18,8 @@ def line_of(element: etree._Element) -> dict[str, int]:
 def placed_in(file: str, xml: str, *, expanded: bool = False) -> Iterator[None]:
     """Begin errors that are raised meanwhile with the file and, where it is known, the line.
 
-    Errors that name a file of their own pass as they are.
-
-    Args:
-        file: Name of the file.
-        xml: Its text.
-        expanded: The text was made from the file, whose lines are others.
+    Errors that name a file of their own pass as they are. The lines of a file are not known if the text was
+    expanded from it.
     """
     try:
         yield

@@ -22,13 +22,7 @@ from robots_core.validation import Array, finite_vector
 
 
 class SolidSet:
-    """Solids fixed to the frames of a robot, and the pairs of them that are to be checked.
-
-    Args:
-        robot: The robot.
-        solids: The solids.
-        pairs: (p, 2) indices of solids.
-    """
+    """Solids fixed to the frames of a robot, and the pairs (p, 2) of them that are to be checked."""
 
     def __init__(self, robot: BaseRobotModel, solids: Sequence[Solid], pairs: Indices) -> None:
         self.solids = tuple(solids)
