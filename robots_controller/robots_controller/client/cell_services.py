@@ -31,11 +31,6 @@ class CellServices:
     def answer(self, service: str, kind: Any, request: Any) -> Any:
         """The answer of a service; not from a callback of the node.
 
-        Args:
-            service: Name below the namespace of the cell.
-            kind: Type of the service.
-            request: Its request.
-
         Raises:
             NoAnswerError: there is no such service, or it does not answer in time.
         """
@@ -85,13 +80,7 @@ class CellServices:
 
 
 class Connection(CellServices):
-    """A node in a context of its own, spun by a thread of its own.
-
-    Args:
-        namespace: Namespace of the cell.
-        domain: ROS domain of the cell; that of the environment (ROS_DOMAIN_ID) by default.
-        patience: Longest wait for an answer, s.
-    """
+    """A node in a context of its own, spun by a thread; in the ROS domain of the environment by default."""
 
     def __init__(self, namespace: str, domain: int | None, patience: float) -> None:
         choose_transports()

@@ -21,9 +21,6 @@ class IoClient:
 
     Reading gives the value that the program reads, of outputs the value that they have. An unknown name, or a
     value that a channel cannot have, raises an InvalidInputError.
-
-    Args:
-        connection: To the cell.
     """
 
     def __init__(self, connection: CellServices) -> None:

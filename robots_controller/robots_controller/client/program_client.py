@@ -43,9 +43,6 @@ class ProgramClient:
     """Opens, runs, holds and stops the program, as a person does at a pendant.
 
     Methods raise a RobotsError if lua_program_node refuses or does not answer.
-
-    Args:
-        connection: To the cell.
     """
 
     def __init__(self, connection: CellServices) -> None:

@@ -66,11 +66,7 @@ class Command:
     json: bool = False
 
     def parser(self, prog: str = '') -> CommandParser:
-        """The parser of its command line.
-
-        Args:
-            prog: How it was called; its name by default.
-        """
+        """The parser of its command line; `prog` is how it was called, by default its name."""
         what = f'{self.what[0].upper()}{self.what[1:]}.'
         parser = CommandParser(prog=prog or self.name, description=what)
         self.add_all(parser)

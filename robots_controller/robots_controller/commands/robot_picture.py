@@ -19,13 +19,7 @@ SPACING: Final = 0.5
 
 
 def robot_picture(robot: BaseRobotModel, columns: int = 36, rows: int = 18) -> str:
-    """The robot at home from its right side, x to the right and z up, in lines of braille characters.
-
-    Args:
-        robot: The robot.
-        columns: Characters of a line, at most.
-        rows: Lines, at most.
-    """
+    """The robot at home from its right side, x to the right and z up, in lines of braille characters."""
     lines = np.array(list(_outline(robot)))[:, :, ::2]  # (k, 2, 2): x, z
     low, high = lines.min(axis=(0, 1)), lines.max(axis=(0, 1))
     scale = float(((2 * columns - 1, 4 * rows - 1) / np.maximum(high - low, 1e-3)).min())

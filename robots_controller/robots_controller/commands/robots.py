@@ -24,14 +24,7 @@ def main() -> NoReturn:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run a command.
-
-    Args:
-        arguments: Its name, and what follows it.
-
-    Returns:
-        Its exit code.
-    """
+    """Run the command that the first argument names with the others; returns its exit code."""
     name, *others = arguments or ['--help']
     if name in COMMANDS:
         return COMMANDS[name].run(others, prog=f'{NAME} {name}')

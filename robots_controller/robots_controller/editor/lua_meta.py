@@ -72,11 +72,7 @@ HEADER: Final = f"""---@meta
 
 
 def meta_file(num_axes: int | None = None) -> str:
-    """The definitions of all functions.
-
-    Args:
-        num_axes: The robot's; None for any.
-    """
+    """The definitions of all functions for a robot's number of axes, or for any."""
     return '\n'.join([HEADER, *('\n'.join(_function(f, num_axes)) for f in LUA_FUNCTIONS.values())])
 
 

@@ -115,13 +115,7 @@ class CellListener:
 
 @contextlib.contextmanager
 def listen(namespace: str, bag: Path | None, *, lockstep: bool = False) -> Iterator[CellListener]:
-    """Listen to a cell.
-
-    Args:
-        namespace: Of the cell.
-        bag: Folder to record to, None for none.
-        lockstep: The bag has the times of a lock-step run.
-    """
+    """Listen to the cell of a namespace, and record it to the folder `bag` where there is one."""
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     monitor = CellMonitor(namespace=namespace)
     recorder = BagRecorder(bag, namespace=namespace, lockstep=lockstep) if bag is not None else None

@@ -69,12 +69,7 @@ class TriggerClients:
 
 
 class CellMonitor(Node):
-    """Listens to a cell and calls its program services.
-
-    Args:
-        namespace: The cell's namespace.
-        options: Of a node.
-    """
+    """Listens to the cell of a namespace and calls its program services."""
 
     def __init__(self, *, namespace: str, **options: Any) -> None:
         super().__init__('cell_monitor', namespace=namespace, **options)

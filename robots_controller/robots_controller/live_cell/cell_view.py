@@ -29,13 +29,7 @@ REPEAT_TIME = 5.0  # s
 
 
 class CellView:
-    """Writes one line per thing that happens and a bar over the running motion.
-
-    Args:
-        console: Where to write.
-        nodes: Names of the nodes that are expected.
-        prismatic: Which axes slide; by default none.
-    """
+    """Writes one line per thing that happens and a bar over the running motion."""
 
     def __init__(self, console: Console, nodes: Sequence[str], prismatic: tuple[bool, ...] = ()) -> None:
         self._prismatic = prismatic

@@ -213,10 +213,10 @@ class RunningCell:
             self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
 
     def close_recording(self, *, judged: bool) -> int:
-        """Close the bag, if there is one that is open, and report on the program; returns an exit code.
+        """Close the bag, if there is one that is open, and report on a program that is `judged`.
 
-        Args:
-            judged: The program has ended, and there is a verdict on it.
+        Returns:
+            An exit code.
         """
         recorder, options = self._recorder, self._options
         if recorder is None or recorder.closed:

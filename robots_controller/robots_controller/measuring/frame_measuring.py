@@ -27,11 +27,7 @@ NEEDED: Final[dict[Sequence, int]] = {'tool': FEWEST_POSES, 'orientation': 2, 'b
 
 
 class FrameMeasuring:
-    """Touched points, what follows from them, and the file that it is saved in.
-
-    Args:
-        robot: The robot.
-    """
+    """Touched points, what follows from them, and the file that it is saved in."""
 
     def __init__(self, robot: BaseRobotModel) -> None:
         self._robot = robot

@@ -22,11 +22,8 @@ def comparisons_of_unlike_values(
     """Line and problem of each comparison that has one outcome, whatever the robot's function returns.
 
     As `getDigitalInput(1) == 1`: true and 1 are different values in Lua. A variable counts as its function
-    where `local name = getDigitalInput(1)` is all that gives it a value.
-
-    Args:
-        tokens: The program.
-        declared: Names that the program gives values; a function of it is none of the robot's.
+    where `local name = getDigitalInput(1)` is all that gives it a value. A function whose name the program
+    declares is none of the robot's.
     """
     calls = [
         call

@@ -28,9 +28,6 @@ class LenientPlanning(PathPlanning):
     judged from where they begin. After a target that was not reached that is not so: what is wrong with
     the path of a tool from there is not reported.
 
-    Args:
-        planning: The planner that refuses motions.
-
     Attributes:
         problems: What is wrong, by the plan that took the motion's place.
     """

@@ -32,13 +32,7 @@ def motion_problems(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> 
 
 
 def refusal(error: RobotsError, target: Pose | None, convention: str) -> str:
-    """Why a motion was refused, with the kind of the problem.
-
-    Args:
-        error: As the planner says it.
-        target: Pose that was commanded; None for a joint target.
-        convention: Order of the orientation angles.
-    """
+    """Why a motion to a pose, or to joint positions (None), was refused, with the kind of the problem."""
     angles = () if target is None else pose_to_program(target.r, target.angles(convention))[3:]
     reason = for_program(error, pose_angles=angles)
     return f'unreachable: {reason}' if isinstance(error, UnreachablePoseError) else reason
@@ -66,12 +60,7 @@ def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -
 
 
 def planned_path(planning: PathPlanning, motion: SimulatedMotion) -> str:
-    """The path of a motion that was planned, and the smallest distance on it, for a person.
-
-    Args:
-        planning: Of the robot, with what is around it.
-        motion: The motion, with its plan.
-    """
+    """The path of a motion that was planned, and the smallest distance on it, for a person."""
     assert motion.plan is not None
     trajectory, command = motion.plan.trajectory, motion.command
     start, end = motion.start_on_plan, motion.end_on_plan

@@ -30,12 +30,7 @@ FARTHEST: Final = 50.0  # m
 def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> Iterator[tuple[int, str]]:
     """Line of the first problem of each call of a robot function, and what would be valid.
 
-    What is computed is left to the run. `print` takes anything.
-
-    Args:
-        tokens: Of one file.
-        sizes: Numbers of axes and channels.
-        declared: Names that the program gives a meaning of its own.
+    What is computed is left to the run. `print` takes anything, and functions that the program declares too.
     """
     for call in lua_calls(tokens):
         function = LUA_FUNCTIONS.get(call.name.text)

@@ -10,13 +10,7 @@ UNLIMITED: Final = QosTime(sec=2147483647, nsec=4294967295)
 
 
 def bag_qos(*, latched: bool, reliable: bool = True, depth: int = 1) -> Qos:
-    """The profile of a publisher.
-
-    Args:
-        latched: A subscriber that comes later gets the last message.
-        reliable: Every message arrives.
-        depth: How many messages it keeps.
-    """
+    """The profile of a publisher; see `Profile`."""
     return Qos(
         history=QosHistory.KEEP_LAST,
         depth=max(1, depth),

@@ -50,13 +50,7 @@ class _FileStem:
 
 
 class CrashSafeFile(McapWriter):
-    """Writes the file's end after every flush, and goes on over it.
-
-    Args:
-        path: Folder of the bag.
-        compression: Of the bag.
-        number: Of the file in the bag.
-    """
+    """Writes the file's end after every flush, and goes on over it; `path` is the folder of the bag."""
 
     def __init__(self, path: Path, compression: CompressionMode, number: int = 0) -> None:
         stem: Any = _FileStem(path, f'{path.name}_{number}' if number else path.name)

@@ -73,9 +73,6 @@ def late_references(rows: JointRows) -> Array:
     Stamps are the instants when references were due: multiples of the controller's period, with gaps where
     messages were lost. A controller that was held up continues from where it was: its references follow each
     other by one period on any clock.
-
-    Args:
-        rows: References with positions and velocities, at least one.
     """
     position, velocity, _ = rows.values
     assert position is not None

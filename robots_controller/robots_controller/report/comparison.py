@@ -51,13 +51,7 @@ class LineChange:
 
 @dataclass(frozen=True, eq=False)
 class RunComparison:
-    """Two runs of a program.
-
-    Attributes:
-        before: The first.
-        after: The second.
-        changes: Line by line, in the order of the program.
-    """
+    """Two runs of a program, with the changes line by line, in the order of the program."""
 
     before: RunReport
     after: RunReport

@@ -52,14 +52,9 @@ def line_deviation(run: RecordedRun, signals: RunSignals, motion: MotionRecord, 
 def zone_distances(
     run: RecordedRun, signals: RunSignals, motion: MotionRecord, part: slice, row: int = 0
 ) -> Array:
-    """Distances of some references from a motion's target, in the unit of its zone, (k,) m or rad.
+    """Distances of a part of the references from a motion's target, in the unit of its zone, (k,) m or rad.
 
-    Args:
-        run: The run.
-        signals: Its signals.
-        motion: The motion.
-        part: The references.
-        row: The one of them whose configuration the target has.
+    The target of the tool has the configuration of the reference in this row of the part.
     """
     if not motion.zone[1]:
         return np.asarray(

@@ -49,13 +49,7 @@ class IoChannel:
 
 
 def io_channels(messages: Messages, labels: Mapping[str, str], end: float) -> tuple[IoChannel, ...]:
-    """The channels of a bag.
-
-    Args:
-        messages: Those of `IO_TOPICS`.
-        labels: Own names of channels, by name.
-        end: End of the run, s; what comes later is left out.
-    """
+    """The channels of a bag with their own names, until the end of the run, s."""
     channels: list[IoChannel] = []
     for image in IMAGES:
         # The inputs as the program saw them, forced ones too; as they came from outside in older bags.
@@ -170,13 +164,7 @@ class RecordedRun:
 
 
 def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: str = '') -> RecordedRun:
-    """Read a run from a bag, live or simulated.
-
-    Args:
-        bag: A rosbag2 folder, or one .mcap or .db3 file; what was cut off is read up to the cut.
-        robot: The robot's name; by default the one that the bag names.
-        namespace: Namespace of the recorded cell.
-        source: Where it comes from, for a person; the bag's path by default.
+    """Read a run from a bag, live or simulated; as of `run_report`.
 
     Raises:
         RobotsError: not a readable bag, no references in it, or an unknown robot.

@@ -17,15 +17,9 @@ from robots_core.validation import Array, read_only
 
 @dataclass(frozen=True, eq=False)
 class RunReport:
-    """A run and its figures.
+    """A run and its figures: signals over its time, times by line, figures by motion.
 
-    Attributes:
-        run: The run.
-        signals: Signals over its time.
-        lines: Times by line.
-        motions: Figures by motion.
-        clearance: Distances; None without a scene.
-        scene: What stands around the robot; None for nothing.
+    Without a scene there are no distances.
     """
 
     run: RecordedRun
@@ -86,7 +80,7 @@ def run_report(
     """Report on a recorded run, live or simulated.
 
     Args:
-        bag: The recorded bag.
+        bag: A rosbag2 folder, or one .mcap or .db3 file; what was cut off is read up to the cut.
         robot: The robot's name; by default the one that the bag names.
         scene: YAML file of what stands around the robot; with it, distances are reported.
         namespace: Namespace of the recorded cell.

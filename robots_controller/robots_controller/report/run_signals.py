@@ -94,13 +94,9 @@ def _carried(run: RecordedRun) -> tuple[Array, Array]:
 
 
 def energy(time: Array, power: Array) -> Array:
-    """Mechanical energy that each axis takes up, (n,) J, by the trapezoidal rule.
+    """Mechanical energy that each axis takes up, (n,) J, of powers (m, n) W at times (m,) s, by trapezoids.
 
     What comes back while an axis brakes is lost: common drives burn it in a resistor.
-
-    Args:
-        time: (m,) s.
-        power: (m, n) W.
     """
     return np.asarray(np.trapezoid(np.maximum(power, 0.0), time, axis=0))
 

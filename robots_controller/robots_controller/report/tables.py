@@ -40,14 +40,7 @@ class Row:
 
 @dataclass(frozen=True)
 class ReportTable:
-    """A table.
-
-    Attributes:
-        title: What it shows.
-        columns: Name and kind of each.
-        rows: In order.
-        keys: Number of first columns that say what a row is about.
-    """
+    """A table; its first columns, `keys` of them, say what a row is about."""
 
     title: str
     columns: Columns

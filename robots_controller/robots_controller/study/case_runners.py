@@ -18,14 +18,10 @@ Result = tuple[StudyCase, Row | None]
 
 
 def run_locally(cases: Sequence[StudyCase], *, workers: int = 0) -> Iterator[Result]:
-    """Run cases in processes of this machine, results as they come.
+    """Run cases in processes of this machine, by default one for each core; results as they come.
 
     A process that dies takes others with it: cases that were under way are run again one by one, and the one
     that dies again is a row with that reason.
-
-    Args:
-        cases: What to run.
-        workers: Number of processes; 0 for one for each core.
     """
     again: list[StudyCase] = []
     with worker_pool(workers or os.cpu_count() or 1) as pool:

@@ -16,13 +16,7 @@ PATIENCE: Final = 10.0
 
 
 class FrozenNodes:
-    """Notices nodes that have given no sign of life for long.
-
-    Args:
-        monitor: Listens to the nodes.
-        names: Of the nodes.
-        watchdog: Timeout of the nodes' own watchdogs, s; 0: none is ever frozen.
-    """
+    """Notices nodes that have given no sign of life for long; with a watchdog of 0 s, none."""
 
     def __init__(self, monitor: CellMonitor, names: Iterable[str], watchdog: float) -> None:
         self.timeout = min(PATIENCE * watchdog, LONGEST)

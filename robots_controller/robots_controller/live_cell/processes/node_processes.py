@@ -36,13 +36,7 @@ class NodeProcess:
     """A process of nodes, forked from a server in which the modules of all nodes are loaded.
 
     It leads a session of its own, so that Ctrl-C in the terminal reaches the cell alone and the cell decides
-    the order in which things end.
-
-    Args:
-        name: Its name.
-        nodes: Its nodes.
-        namespace: Their ROS namespace.
-        log: Its output goes to this file.
+    the order in which things end. Its output goes to the file `log`.
     """
 
     def __init__(self, name: str, nodes: Sequence[NodeDescription], *, namespace: str, log: Path) -> None:
@@ -93,13 +87,7 @@ class NodeProcess:
 
 
 class NodeProcesses:
-    """Runs the nodes of a graph in their processes.
-
-    Args:
-        graph: The nodes.
-        namespace: ROS namespace of all of them.
-        log_folder: Each process's output goes to `<process>.log` in it.
-    """
+    """Runs the nodes of a graph in their processes; the output of each goes to `<process>.log`."""
 
     def __init__(self, graph: Sequence[NodeDescription], *, namespace: str, log_folder: Path) -> None:
         self._graph = tuple(graph)

@@ -27,12 +27,7 @@ UNDER_WAY: Final = ('RUNNING', 'PAUSED')
 
 
 class OrphanedOutputs:
-    """Writes the images of outputs while the node that owns them is dead, and never beside it.
-
-    Args:
-        node: Owner of the publishers.
-        fail_safe: Values of outputs when no running program answers for them.
-    """
+    """Writes the images of outputs while the node that owns them is dead, and never beside it."""
 
     def __init__(self, node: Node, fail_safe: FailSafe) -> None:
         self._node, self._fail_safe = node, fail_safe
@@ -95,15 +90,7 @@ class RestartPolicy:
 
 
 class NodeRestarts:
-    """Restarts by a policy, and keeps what the program's node leaves: its outputs, and where the program was.
-
-    Args:
-        processes: The nodes.
-        monitor: Listens to them.
-        console: Where restarts are reported.
-        fail_safe: Values of outputs that are written while the program's node is dead.
-        restarting: Nodes are started again.
-    """
+    """Restarts by a policy, and keeps what the program's node leaves: outputs, and where the program was."""
 
     def __init__(
         self,
