@@ -9,14 +9,9 @@ from robots_core.validation import Array
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """A node's own report.
+    """A node's own report: its process, what it says to a person, and its page, '' for none.
 
     Attributes:
-        node: Its name.
-        pid: Its process.
-        ok: All is well.
-        message: For a person.
-        url: Its page, '' for none.
         works: It was ready once: what it lacks since then, or warns of, does not keep it from its work.
     """
 

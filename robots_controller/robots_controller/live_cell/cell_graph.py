@@ -46,14 +46,7 @@ _EMERGENCY_STOP_OF_PRIMITIVES: Final = (
 
 @dataclass(frozen=True)
 class NodeDescription:
-    """One node of the cell.
-
-    Attributes:
-        package: ROS package.
-        executable: Executable in that package; also the node's name.
-        parameters: ROS parameters.
-        process: Name of its process; nodes with the same one share it.
-    """
+    """One node of the cell, which has the name of its executable; nodes of the same process share it."""
 
     package: str
     executable: str

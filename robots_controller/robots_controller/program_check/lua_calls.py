@@ -18,14 +18,7 @@ _RAD: Final = re.compile(rf'math\.rad\((-?){_NUMBER}\)')
 
 @dataclass(frozen=True)
 class Call:
-    """A call of a function by its name.
-
-    Attributes:
-        name: The function's.
-        arguments: Tokens of each.
-        start: Place of the name among the tokens.
-        end: Place of the call's last token.
-    """
+    """A call of a function by its name: the tokens of each argument, and its place among all tokens."""
 
     name: Token
     arguments: list[list[Token]]

@@ -25,13 +25,7 @@ from robots_core.errors import ProgramError
 
 @dataclass(frozen=True)
 class ProgramProblem:
-    """Something that is wrong.
-
-    Attributes:
-        file: The program or subprogram.
-        line: Counted from 1, 0 for the whole file.
-        reason: What, and what would be valid.
-    """
+    """What is wrong in a line of a program or subprogram, counted from 1, or in the whole file, 0."""
 
     file: str
     line: int

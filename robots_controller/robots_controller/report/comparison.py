@@ -12,14 +12,7 @@ from robots_controller.report.run_report import RunReport
 
 @dataclass(frozen=True)
 class LineChange:
-    """A line in two runs; None where only the other one has it.
-
-    Attributes:
-        before: Its times in the first run.
-        after: Its times in the second run.
-        decided_before: The limits that decide its motions, in the first run.
-        decided_after: The same in the second.
-    """
+    """A line in two runs, None where only the other one has it, and the limits that decide its motions."""
 
     before: LineTime | None
     after: LineTime | None

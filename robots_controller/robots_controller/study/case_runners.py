@@ -46,11 +46,9 @@ def run_locally(cases: Sequence[StudyCase], *, workers: int = 0) -> Iterator[Res
 
 
 def run_on_scheduler(cases: Sequence[StudyCase], address: str) -> Iterator[Result]:
-    """Run cases on the workers of a Dask scheduler, results as they come.
+    """Run cases on the workers of a Dask scheduler (tcp://host:port), results as they come.
 
-    Args:
-        cases: What to run; each carries its files. The workers need this package and the robots' plugins.
-        address: tcp://host:port.
+    Each case carries its files. The workers need this package and the robots' plugins.
 
     Raises:
         RobotsError: no scheduler answers there.

@@ -25,10 +25,6 @@ class StudyCase:
 
     Attributes:
         program: File name of the program.
-        robot: The robot's name.
-        drive: Level of the drives.
-        override: Speed override, 0..1.
-        parameters: (name, value) of the program's parameters.
         longest: Longest simulated time, s.
         files: Texts by path: the program with its neighbours below 'program/', scene and PLC script.
     """

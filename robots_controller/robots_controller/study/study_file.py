@@ -24,11 +24,6 @@ class Study:
     """A grid of cases.
 
     Attributes:
-        programs: Paths of robot programs.
-        robots: Names.
-        drives: Levels.
-        overrides: Speed overrides.
-        parameters: Values of the programs' parameters, by name.
         scene: YAML file of what stands around the robots; '' for that of each program's header.
         io: Script of the PLC; '' for that of each program's header.
         longest: Longest simulated time of a case, s.
