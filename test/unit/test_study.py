@@ -10,9 +10,8 @@ from pyarrow import csv, parquet
 
 from robots_controller.commands.command_table import STUDY as STUDY_COMMAND
 from robots_controller.study.run_case import FIGURES, run_case
-from robots_controller.study.run_study import run_study
+from robots_controller.study.run_study import ROWS, StudyResults, run_study
 from robots_controller.study.study_file import Study, read_study
-from robots_controller.study.study_results import ROWS, StudyResults
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.exit_codes import ExitCode
 
@@ -186,8 +185,7 @@ def test_without_its_libraries_a_study_names_what_installs_them(
     capsys: pytest.CaptureFixture[str],
     library: str,
 ):
-    for name in ('run_study', 'study_results'):
-        monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
+    monkeypatch.delitem(sys.modules, 'robots_controller.study.run_study')
     monkeypatch.setitem(sys.modules, library, None)
     options = ['-o', str(tmp_path), '--scheduler', 'tcp://127.0.0.1:9']
     assert STUDY_COMMAND.run([str(folder / 'study.yaml'), *options]) == ExitCode.BAD_INPUT

@@ -11,7 +11,7 @@ from robots_controller.io.plant.credentials import read_credentials
 from robots_controller.opcua.server_access import ServerAccess
 from robots_controller.opcua.server_settings import ServerSettings, ServerUser, read_server_settings
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.study.study_results import ROWS, StudyResults
+from robots_controller.study.run_study import ROWS, StudyResults
 from robots_core import UrdfRobotModel
 from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written

@@ -18,9 +18,8 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_controller.live_cell.cell_listener import CellListener
 from robots_controller.live_cell.cell_view import CellView
-from robots_controller.live_cell.processes.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.processes.node_processes import NodeProcesses
-from robots_controller.live_cell.processes.node_restarts import NodeRestarts
+from robots_controller.live_cell.processes.node_restarts import FrozenNodes, NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode

@@ -20,21 +20,20 @@ def report(options: argparse.Namespace, console: Console) -> int:
     Raises:
         RobotsError: a bag that cannot be reported on, or options that do not fit it.
     """
-    reports = [
+    first, *others = (
         run_report(bag, robot=options.robot, scene=options.scene, namespace=options.namespace)
         for bag in (options.bag, options.other)
         if bag is not None
-    ]
+    )
+    comparison = compare_runs(first, *others) if others else None
     if options.json:
-        print_json(report_data(*reports) if len(reports) == 1 else comparison_data(compare_runs(*reports)))
-    elif len(reports) == 1:
-        show_report(reports[0], console)
+        print_json(report_data(first) if comparison is None else comparison_data(comparison))
+    elif comparison is None:
+        show_report(first, console)
     else:
-        show_comparison(compare_runs(*reports), console)
+        show_comparison(comparison, console)
     if options.output is not None:
-        one = len(reports) == 1
-        write_page(
-            options.output, report_page(reports[0]) if one else comparison_page(compare_runs(*reports))
-        )
+        page = report_page(first) if comparison is None else comparison_page(comparison)
+        write_page(options.output, page)
         console.print(f'page: {options.output}')
     return ExitCode.OK
