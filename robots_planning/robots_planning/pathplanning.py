@@ -172,12 +172,7 @@ class PathPlanning:
         return self.generator(kind, settings).generate(q_start, in_base(kind, target, settings))
 
     def reach(self, pose: Pose, q_start: Array, settings: MotionSettings) -> Array:
-        """Joint positions (n,) that a joint motion from `q_start` to a pose leads to, rad (m).
-
-        Args:
-            pose: Of the tool in the frame `base` of the settings.
-            q_start: Joint positions to start from, (n,), rad (m).
-            settings: Modal settings.
+        """Joint positions (n,) that a joint motion to a pose leads to, rad (m); arguments as for `plan`.
 
         Raises:
             UnreachablePoseError: none inside the limits reach the pose.
@@ -192,17 +187,7 @@ class PathPlanning:
         target: Target,
         settings: MotionSettings,
     ) -> PlannedMotion:
-        """Plan and verify a joint motion from a robot that moves, to rest.
-
-        Args:
-            kind: A joint motion.
-            motion: Joint positions, velocities and accelerations to start from, (n,) each.
-            target: Joint positions (n,) or a Pose, as for `plan`.
-            settings: Modal settings.
-
-        Raises:
-            RobotsError: as `plan`.
-        """
+        """`plan` of a joint motion from a robot that moves: see `TrajectoryGenerator.generate_moving`."""
         goal = in_base(kind, target, settings)
         trajectory = self.generator(kind, settings).generate_moving(motion, goal)
         return self.checked(trajectory, kind, settings, start_motion=motion[1:])

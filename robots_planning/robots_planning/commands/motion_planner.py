@@ -75,17 +75,7 @@ class MotionPlanner:
     # -- commands -------------------------------------------------------------------------------------
 
     def command(self, id_: str, kind: MotionKind, target: Target, settings: MotionSettings) -> bool:
-        """Take a motion command.
-
-        Args:
-            id_: Unique.
-            kind: The kind of motion.
-            target: See `PathPlanning.plan`.
-            settings: The modal settings of that instant.
-
-        Returns:
-            False for a command that came before; it is ignored.
-        """
+        """Take a motion command, see `QueuedCommand`; False for one that came before, which is ignored."""
         if self.moving and self._commands.controller_gone:
             self._queue.forget()  # the controller is gone, and its motions with it
         if self.holds(id_):

@@ -107,14 +107,9 @@ class SingularityPassage:
     def _onward(
         self, path: CartesianPath, place: float, turning: Array, branch: _Branch, ahead: CartesianPath
     ) -> Iterator[RoutePiece]:
-        """Pieces to the end of a path whose first joint positions the axes reach while the tool stands still.
+        """Pieces to the end of a path, on a branch, that the axes turn to while the tool stands still.
 
-        Args:
-            path: The path.
-            place: s where the tool stands still.
-            turning: Joint positions from which the axes turn, (n,).
-            branch: The branch to continue on.
-            ahead: The path after the singularity.
+        They turn from the joint positions `turning`, (n,), at s = `place`; `ahead` is the path after it.
         """
         still = np.empty(len(branch.turns), dtype=np.bool_)
         ends = branch.back[0].joints.q[0] + branch.turns

@@ -165,8 +165,8 @@ class TimeOptimalTiming:
         where it would break them.
 
         Args:
-            path: The joint path.
-            tool: Limits of the tool besides those of the axes.
+            path: As for `timed`.
+            tool: As for `timed`.
             start: How the motion begins.
 
         Raises:
@@ -188,12 +188,8 @@ class TimeOptimalTiming:
     ) -> Iterator[_Round]:
         """Trajectories, each with the limits lowered where the one before broke them.
 
-        Args:
-            path: The joint path.
-            tool: Limits of the tool besides those of the axes.
-            start: How a motion begins that does not begin at rest.
-            window: Shortest ramp of acceleration, s.
-            longest: There are no more once the time law takes longer, s: lowering limits makes it slower.
+        Ramps of acceleration last at least `window`, s. There are no more once the time law takes more than
+        `longest`, s: lowering limits makes it slower.
         """
         even = ReparametrisedPath(path, self._velocity, self._acceleration)
         s, stretch = even.grid, 1.0

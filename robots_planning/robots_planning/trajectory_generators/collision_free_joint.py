@@ -107,13 +107,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         return super(JointSpaceGenerator, self).generate_moving(motion, target)
 
     def _path(self, start: Array, goals: Array) -> JointPath:
-        """The certified path from a posture to one of several others.
-
-        Raises:
-            NoFreePathError: no path was found; names the bodies in the way.
-            BlockedPostureError: start or target collides, or the target is too close to something.
-            PlanningError: the motion was given up.
-        """
+        """The certified path from a posture to one of several others; raises as `_free_path`."""
         self.via = np.empty((0, start.size))
         if self.collision is None:
             return super()._path(start, goals)
@@ -127,6 +121,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         return path
 
     def _free_path(self, collision: CollisionDetection, start: Array, goals: Array) -> FreePath:
+        """See `FreePathSearch.path`; raises a BlockedPostureError where start or all targets are not free."""
         if collision.blind:
             raise PlanningError(
                 f'{self.robot.name} has no collision shapes, so that it can avoid nothing; its URDF needs '

@@ -86,18 +86,10 @@ def _keep_direction(solids: SolidArrays, i: int, j: int, result: Array, axis: Ar
 def _check_posture(
     certificate: PathCertificate, q: Array, turn: Array, pairs: Indices, left: Indices, worst: Array
 ) -> tuple[int, int]:
-    """Look at one posture.
+    """The first of some pairs that is closer than its margin in a posture, or FREE; and how many are left.
 
-    Args:
-        certificate: The solids and their margins.
-        q: Joint positions, (n,).
-        turn: How far the axes may move from there, (n,), rad (m).
-        pairs: Those to check.
-        left: Gets the pairs that are not proven to be free within `turn`.
-        worst: Gets the largest approach of the pairs that are left, (1,) m.
-
-    Returns:
-        The first pair that is closer than its margin, or FREE; and how many pairs are left.
+    Those are `left` that are not proven to be free if the axes move by up to `turn`, (n,) rad (m); `worst` is
+    the largest approach of them, (1,) m.
     """
     body, placed, margins, _ = certificate
     place(body, placed, q)
