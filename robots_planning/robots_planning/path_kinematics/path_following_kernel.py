@@ -10,7 +10,6 @@ from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
 from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
-from robots_planning.path_kinematics.held_following_kernel import correct_conditions, rates_held, step_held
 from robots_planning.path_kinematics.pose_residual_kernel import (
     LARGEST_JOINT_STEP,
     PoseResidual,
@@ -18,6 +17,7 @@ from robots_planning.path_kinematics.pose_residual_kernel import (
     derivatives,
     evaluate_residual,
     place_target,
+    rates_held,
     residual_for,
 )
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse
@@ -54,17 +54,14 @@ JointSamples = tuple[Array, Array, Array, Array]
 
 
 class FreeAxes(NamedTuple):
-    """What the tool holds of a path's poses, and how axes move that it leaves free.
+    """How axes move that a path leaves free.
 
     Attributes:
-        rows: 0 for whole poses, 3 for positions alone, 3 + n for the closest orientation too: see
-            `closest_orientation_kernel`.
         pull: Towards the guide g(s), per path; 0 without one: then the axes have the smallest velocities.
         breaks: Of the guide, a cubic spline, (m + 1,); (0, 1) without one.
         guide: Its coefficients, (4, m, n), highest power first.
     """
 
-    rows: int
     pull: float
     breaks: Array
     guide: Array
@@ -76,6 +73,7 @@ def follow(
     limits: Array,
     path: PathArrays,
     free: FreeAxes,
+    rows: int,
     start: Array,
     samples: JointSamples,
 ) -> tuple[int, int]:
@@ -87,7 +85,8 @@ def follow(
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
-        free: What is held, and the guide.
+        free: The guide.
+        rows: As in `PoseResidual`.
         start: Joint positions at s = 0, (n,).
         samples: Filled; room for `MAX_SAMPLES` + 1.
 
@@ -96,7 +95,7 @@ def follow(
         possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
         limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    guess, residual = start.copy(), residual_for(chain, start.size)
+    guess, residual = start.copy(), residual_for(chain, start.size, rows)
     s, q = samples[0], samples[1]
     s[0] = 0.0
     copy_into(q[0], start)
@@ -158,16 +157,16 @@ def _advance(
     residual: PoseResidual, path: PathArrays, free: FreeAxes, samples: JointSamples, i: int, guess: Array
 ) -> float:
     """Fill sample i + 1 at its s; return the deviation in between, or -1 if the step is too long."""
-    s, q, rows = samples[0], samples[1], free.rows
+    s, q = samples[0], samples[1]
     n, j = guess.size, i + 1
     _extrapolate(samples, i, guess)
     place_target(residual, path, s[j])
     # Where the target leaves axes free, it does not determine q: the integration is repeated.
-    redundant = n > (rows or 6)
+    redundant = n > (residual.rows or 6)
     for again in range(3 if free.pull > 0.0 else 2 if redundant else 1):
         if again:
             _integrate(samples, i, guess)
-        if not (correct(residual, guess) if rows == 0 else correct_conditions(residual, guess, rows)):
+        if not correct(residual, guess):
             return -1.0
         copy_into(q[j], guess)
         if not _derivatives(residual, path, free, samples, j):
@@ -181,7 +180,7 @@ def _advance(
             return -1.0
     _interpolate(samples, i, guess)
     place_target(residual, path, 0.5 * (s[i] + s[j]))
-    deviation = _deviation(residual, rows, guess)
+    deviation = _deviation(residual, guess)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
@@ -191,8 +190,8 @@ def _derivatives(
 ) -> bool:
     """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
     s, q, q_s, q_ss = samples
-    if free.rows > 0:
-        return rates_held(residual, free.rows, path, s[i], q[i], q_s[i], q_ss[i])
+    if residual.rows > 0:
+        return rates_held(residual, path, s[i], q[i], q_s[i], q_ss[i])
     desired, desired_s = np.zeros(q.shape[1]), np.zeros(q.shape[1])
     if free.pull > 0.0:
         piece, c = interval_at(free.breaks, s[i]), free.guide
@@ -237,19 +236,23 @@ def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
 
 
 @compiled()
-def _deviation(residual: PoseResidual, rows: int, q: Array) -> float:
+def _deviation(residual: PoseResidual, q: Array) -> float:
     """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
     deviation = evaluate_residual(residual, q)
-    if rows > 0:
+    if residual.rows > 0:
         deviation = max(abs(residual.error[0]), abs(residual.error[1]), abs(residual.error[2]))
     if deviation > PATH_TOLERANCE:
         return deviation
-    if rows == 0:
-        step = apply_pseudo_inverse(residual.J, residual.error)
-    elif rows == 3:
+    if residual.rows == 3:
         return deviation
+    if residual.rows == 0:
+        step = apply_pseudo_inverse(residual.J, residual.error)
     else:
-        step = step_held(residual, q, rows)
+        step = q.copy()
+        if not correct(residual, step):
+            return np.inf
+        for k in range(q.size):
+            step[k] -= q[k]
     for k in range(q.size):
         deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
@@ -320,7 +323,7 @@ def stand_still(
         ends: Joint positions after, (k, n).
         still: Filled, (k,); False also where an axis leaves its limits.
     """
-    q, residual = begin.copy(), residual_for(chain, begin.size)
+    q, residual = begin.copy(), residual_for(chain, begin.size, 0)
     place_target(residual, path, s)
     for row in range(ends.shape[0]):
         still[row] = True

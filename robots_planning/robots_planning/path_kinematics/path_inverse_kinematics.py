@@ -66,8 +66,8 @@ class PathInverseKinematics:
         """Lowest and highest joint positions, (2, n)."""
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
-        rows = 0 if self.hold == POSE else condition_rows(self.hold, n)
-        self._unguided = FreeAxes(rows, 0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
+        self._rows = 0 if self.hold == POSE else condition_rows(self.hold, n)
+        self._unguided = FreeAxes(0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
         self._samples = (
             np.empty(MAX_SAMPLES + 1),
             np.empty((MAX_SAMPLES + 1, n)),
@@ -127,9 +127,7 @@ class PathInverseKinematics:
         self, path: CartesianPath, start: Array, breaks: Array, guide: Array, pull: float
     ) -> JointPath | None:
         """Follow with self-motion towards a guide, see `FreeAxes`; None if that fails."""
-        result, count = self._fill(
-            path, start, self.limits, self._unguided._replace(pull=pull, breaks=breaks, guide=guide)
-        )
+        result, count = self._fill(path, start, self.limits, FreeAxes(pull, breaks, guide))
         return JointPath(*self._filled(count)) if result == FOLLOWED else None
 
     def _fill(
@@ -138,7 +136,7 @@ class PathInverseKinematics:
         """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
         free = guided or self._unguided
-        return follow(self.chain.arrays, limits, path.arrays, free, begin, self._samples)
+        return follow(self.chain.arrays, limits, path.arrays, free, self._rows, begin, self._samples)
 
     def _filled(self, count: int) -> JointSamples:
         """Copy of the first samples, with s scaled to [0, 1]."""

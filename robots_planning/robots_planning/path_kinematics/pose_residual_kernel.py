@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct as correct_held
+from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import rate
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, jacobian_der, pose_and_jacobian
 from robots_core.kernels.vectors import copy_into
@@ -16,6 +18,9 @@ from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 CORRECTION_TOLERANCE = 1e-13  # m and rad; of the axes, that over the smallest singular value
 CORRECTION_STEPS = 4
 LARGEST_JOINT_STEP = 0.25  # rad (m) of one axis between path samples; more may hide a change of configuration
+HELD_TOLERANCE = 1e-12  # m and rad; conditions whose derivatives are differences converge to no less
+HELD_STEPS = 6
+DIFFERENCE = 1e-5  # of the path, for q''
 DERIVATIVE_TOLERANCE = 1e-7  # of |x'|, by which J q' may differ from x', as it does in a singularity
 
 
@@ -30,6 +35,8 @@ class PoseResidual(NamedTuple):
         x_ss: Its second derivative, (6,).
         J: Geometric Jacobian at q, (6, n).
         error: The residual: translation and rotation vector from the tool to the target, (6,).
+        rows: What of the target is held: 0 for the whole pose, 3 for the position alone, 3 + n for the
+            closest orientation too: see `closest_orientation_kernel`.
     """
 
     chain: ChainArrays
@@ -39,13 +46,14 @@ class PoseResidual(NamedTuple):
     x_ss: Array
     J: Array
     error: Array
+    rows: int
 
 
 @compiled()
-def residual_for(chain: ChainArrays, n: int) -> PoseResidual:
+def residual_for(chain: ChainArrays, n: int, rows: int) -> PoseResidual:
     """Memory for a robot of n axes, made once per path."""
     r, T, x_s, x_ss = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
-    return PoseResidual(chain, r, T, x_s, x_ss, np.empty((6, n)), np.empty(6))
+    return PoseResidual(chain, r, T, x_s, x_ss, np.empty((6, n)), np.empty(6), rows)
 
 
 @compiled()
@@ -70,8 +78,11 @@ def evaluate_residual(residual: PoseResidual, q: Array) -> float:
 def correct(residual: PoseResidual, q: Array) -> bool:
     """Newton's method from a close guess `q`, in place; False if it does not converge in a few steps.
 
-    Afterwards the residual is that at the corrected `q`.
+    Afterwards the residual is that at the corrected `q`, if the whole pose is held.
     """
+    if residual.rows > 0:
+        chain, r, T = residual.chain, residual.r, residual.T
+        return correct_held(chain, q, r, T, residual.rows, HELD_TOLERANCE, HELD_STEPS, LARGEST_JOINT_STEP)
     error = evaluate_residual(residual, q)
     for _ in range(CORRECTION_STEPS):
         if error < CORRECTION_TOLERANCE:
@@ -84,6 +95,23 @@ def correct(residual: PoseResidual, q: Array) -> bool:
             q[k] += step[k]
         error = evaluate_residual(residual, q)
     return error < CORRECTION_TOLERANCE
+
+
+@compiled()
+def rates_held(residual: PoseResidual, path: PathArrays, s: float, q: Array, q_s: Array, q_ss: Array) -> bool:
+    """Fill q', which keeps what is held of poses at `s`, and q'', its difference along the path."""
+    chain, rows = residual.chain, residual.rows
+    if not rate(chain, q, residual.r, residual.T, residual.x_s, rows, q_s):
+        return False
+    r, T, x_s, x_ss = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
+    around, fine = np.empty((2, q.size)), True
+    for side in range(2):
+        shift = (2 * side - 1) * DIFFERENCE
+        pose_on_path(path, s + shift, r, T, x_s, x_ss)
+        fine = rate(chain, q + shift * q_s, r, T, x_s, rows, around[side]) and fine
+    for k in range(q.size):
+        q_ss[k] = (around[1, k] - around[0, k]) / (2.0 * DIFFERENCE)
+    return fine
 
 
 @compiled()

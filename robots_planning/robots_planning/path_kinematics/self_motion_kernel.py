@@ -163,7 +163,7 @@ def follow_layers(
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    residual = residual_for(chain, start.size)
+    residual = residual_for(chain, start.size, 0)
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
         place_target(residual, path, s[i - 1])
@@ -226,7 +226,7 @@ def fastest_sequence(layers: Array, counts: NDArray[np.int64], velocity: Array, 
 def relax(chain: ChainArrays, limits: Array, path: PathArrays, s: Array, rounds: int, q: Array) -> None:
     """Smooth q (m, n) at s (m,) by self-motion, with the first row fixed, `LIMIT_ROOM` inside the limits."""
     m, n = q.shape
-    desired, moved, residual = np.empty(n), np.empty(n), residual_for(chain, n)
+    desired, moved, residual = np.empty(n), np.empty(n), residual_for(chain, n, 0)
     for _ in range(rounds):
         for i in range(1, m):
             for k in range(n):
