@@ -30,21 +30,21 @@ def test_a_trajectory_ends_at_rest_within_the_limits(
     q_dot = speed * AXES.velocity
     room = 0.5 * (np.abs(q_dot) / AXES.acceleration).max() * np.abs(q_dot)
     q = np.clip(0.5 * (low + high) + 0.5 * place * (high - low), low + room, high - room)
-    found = stopping_trajectory(q, q_dot, AXES, lead)
-    assert found.time[0] == lead
-    assert (np.diff(found.time) >= 1e-6).all()
-    np.testing.assert_array_equal(found.position[0], q)
-    assert not found.velocity[-1].any()
+    points = stopping_trajectory(q, q_dot, AXES, lead)
+    start, end = points[0], points[-1]
+    assert start[0] == lead
+    assert (np.diff([time for time, _, _ in points]) >= 1e-6).all()
+    np.testing.assert_array_equal(start[1], q)
+    assert not end[2].any()
     controller = TrajectoryControllerDouble(AXES.names, q)
-    points = list(zip(found.time, found.position, found.velocity, strict=True))
     assert controller.put(1.0, AXES.names, points) == ''
-    times = np.linspace(1.0 + lead, 1.0 + found.time[-1], 20)[:-1]
+    times = np.linspace(1.0 + lead, 1.0 + end[0], 20)[:-1]
     states = np.array([controller.step(time) for time in times])
-    if len(found.time) == 2:
+    if len(points) == 2:
         braking = np.abs(np.diff(states[:, 1], axis=0) / np.diff(times)[:, None])
         # Rounding of differences of velocities over short times.
         assert (braking <= AXES.acceleration * (1.0 + 1e-9) + 1e-12 / np.diff(times)[:, None]).all()
-    np.testing.assert_allclose(controller.step(10.0)[0], found.position[-1])
+    np.testing.assert_allclose(controller.step(10.0)[0], end[1])
 
 
 @settings(max_examples=30)
@@ -72,8 +72,7 @@ def test_a_robot_follows_references_that_come_irregularly(
         else:
             supervised.step(now, sample[0], sample[1], now)
         if drives.command is not None:
-            found = stopping_trajectory(*drives.command, AXES, LEAD)
-            points = list(zip(found.time, found.position, found.velocity, strict=True))
+            points = stopping_trajectory(*drives.command, AXES, LEAD)
             received = now + 1e-3 * delays[k % len(delays)]
             assert controller.put(received, AXES.names, points) == ''
         if k <= until:

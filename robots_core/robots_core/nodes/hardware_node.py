@@ -164,10 +164,9 @@ class HardwareNode(RobotNode):
             self._drives.position = position
 
     def _trajectory(self, q: Array, q_dot: Array) -> JointTrajectory:
-        found = stopping_trajectory(q, q_dot, self._axes, self._driver.lead)
         points = (
             (round(NANOSECONDS * time), position, velocity, NONE)
-            for time, position, velocity in zip(found.time, found.position, found.velocity, strict=True)
+            for time, position, velocity in stopping_trajectory(q, q_dot, self._axes, self._driver.lead)
         )
         # No stamp: it starts when it is received, whatever the clocks are.
         return BUILD.joint_trajectory(0, self._names, points)

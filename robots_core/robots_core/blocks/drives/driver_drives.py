@@ -1,7 +1,6 @@
 """DriverDrives and DriverStop: a real robot behind a driver that follows short trajectories."""
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,41 +13,29 @@ from robots_core.validation import Array, finite_vector
 SHORTEST: Final = 1e-6  # s, of braking; messages have nanoseconds
 
 
-@dataclass(frozen=True, eq=False)
-class StoppingTrajectory:
-    """A trajectory that reaches a reference and stops behind it.
-
-    Between the points a spline of the third order brakes with constant decelerations.
-
-    Attributes:
-        time: Of the points, (k,), s from the start, k is 1 or 2.
-        position: (k, n), rad (m).
-        velocity: (k, n), rad/s (m/s); zero at the last point.
-    """
-
-    time: Array
-    position: Array
-    velocity: Array
-
-
-def stopping_trajectory(q: Array, q_dot: Array, axes: AxesData, lead: float) -> StoppingTrajectory:
+def stopping_trajectory(
+    q: Array, q_dot: Array, axes: AxesData, lead: float
+) -> list[tuple[float, Array, Array]]:
     """The trajectory that reaches a reference after `lead` and stops within the acceleration limits.
 
     A driver accepts it by itself, because it ends at rest, and stops the robot by it if no other one follows.
+    Between the points a spline of the third order brakes with constant decelerations.
 
     Args:
         q: Reference positions, (n,), rad (m).
         q_dot: Reference velocities, (n,), rad/s (m/s).
         axes: The robot's limits.
         lead: Time in which the robot is to be there, s.
+
+    Returns:
+        One or two points: time from the start, s, positions and velocities (n,), zero at the last.
     """
+    still = np.zeros_like(q_dot)
     braking = float((np.abs(q_dot) / axes.acceleration).max())
     if braking < SHORTEST:
-        return StoppingTrajectory(np.array([lead]), q[None], np.zeros((1, q.size)))
+        return [(lead, q, still)]
     end = np.clip(q + 0.5 * braking * q_dot, axes.lower, axes.upper)
-    return StoppingTrajectory(
-        np.array([lead, lead + braking]), np.stack([q, end]), np.stack([q_dot, np.zeros_like(q_dot)])
-    )
+    return [(lead, q, q_dot), (lead + braking, end, still)]
 
 
 class DriverDrives(DriveTrain):

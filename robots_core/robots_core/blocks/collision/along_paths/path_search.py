@@ -6,10 +6,7 @@ pair is free in the whole interval; otherwise the interval is halved (adaptive d
 collision checking, Schwarzer, Saha and Latombe 2005).
 """
 
-from __future__ import annotations
-
 import heapq
-from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
@@ -22,24 +19,6 @@ from robots_core.validation import Array
 RESOLUTION = 1e-4  # m
 """A distance within this of the margin may count as below it; one below it never counts as free."""
 FIRST_SAMPLES = 17  # of the path, for a first bound of the smallest distance
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A part of the path, and the pairs that are not proven to be free in it."""
-
-    low: float
-    high: float
-    pairs: Indices
-
-    @property
-    def middle(self) -> float:
-        """Its middle, s."""
-        return 0.5 * (self.low + self.high)
-
-    def halves(self, pairs: Indices) -> tuple[Interval, Interval]:
-        """The earlier and the later half, with the pairs that are left."""
-        return Interval(self.low, self.middle, pairs), Interval(self.middle, self.high, pairs)
 
 
 def first_approach(solids: SolidSet, path: JointPath, since: float, margins: Array) -> float | None:
@@ -60,20 +39,21 @@ def first_approach(solids: SolidSet, path: JointPath, since: float, margins: Arr
             break
     if found == since:
         return found
-    waiting = [Interval(since, path.end, every)]
+    waiting = [(since, path.end, every)]  # intervals, and the pairs that are not proven to be free in them
     while waiting:
-        interval = waiting.pop()
-        lower, approach = _bounds(solids, path, interval, margins[interval.pairs])
-        open_ = lower - approach <= margins[interval.pairs]
+        low, high, pairs = waiting.pop()
+        middle = 0.5 * (low + high)
+        lower, approach = _bounds(solids, path, (low, middle, high), pairs, margins[pairs])
+        open_ = lower - approach <= margins[pairs]
         if not open_.any():
             continue
-        before, after = interval.halves(interval.pairs[open_])
-        if (lower <= margins[interval.pairs]).any():
-            found, waiting = interval.middle, []  # later intervals no longer matter
+        before, after = (low, middle, pairs[open_]), (middle, high, pairs[open_])
+        if (lower <= margins[pairs]).any():
+            found, waiting = middle, []  # later intervals no longer matter
             if approach[open_].max() > RESOLUTION:
                 waiting = [before]
         elif approach[open_].max() <= RESOLUTION:
-            return interval.middle
+            return middle
         else:
             waiting += [after, before]
     return found
@@ -92,27 +72,30 @@ def closest_approach(solids: SolidSet, path: JointPath, tolerance: float) -> tup
         if at >= 0:
             best, time = found, float(t)
     order = count()  # breaks ties between equal bounds
-    waiting = [(0.0, next(order), Interval(path.start, path.end, every))]
+    waiting = [(0.0, next(order), path.start, path.end, every)]
     while waiting and best > 0.0:
-        bound, _, interval = heapq.heappop(waiting)
+        bound, _, low, high, pairs = heapq.heappop(waiting)
         if bound >= best - tolerance:
             break
-        lower, approach = _bounds(solids, path, interval, np.full(interval.pairs.size, best))
+        middle = 0.5 * (low + high)
+        lower, approach = _bounds(solids, path, (low, middle, high), pairs, np.full(pairs.size, best))
         if (lower < best).any():
-            found, at = solids.smallest_distance(interval.pairs, best)
+            found, at = solids.smallest_distance(pairs, best)
             if at >= 0:
-                best, time = found, interval.middle
+                best, time = found, middle
         bounds = lower - approach
         open_ = bounds < best - tolerance
         if open_.any():
-            for half in interval.halves(interval.pairs[open_]):
-                heapq.heappush(waiting, (float(bounds[open_].min()), next(order), half))
+            for begin, end in ((low, middle), (middle, high)):
+                heapq.heappush(waiting, (float(bounds[open_].min()), next(order), begin, end, pairs[open_]))
     return time, best
 
 
-def _bounds(solids: SolidSet, path: JointPath, interval: Interval, enough: Array) -> tuple[Array, Array]:
+def _bounds(
+    solids: SolidSet, path: JointPath, interval: tuple[float, float, float], pairs: Indices, enough: Array
+) -> tuple[Array, Array]:
     """Distances in the middle of an interval, and bounds on the approach within it, (k,) m each."""
-    solids.place(path.sample(interval.middle))
-    approach = solids.travels(interval.pairs, path.turn(interval.low, interval.middle, interval.high))
+    solids.place(path.sample(interval[1]))
+    approach = solids.travels(pairs, path.turn(*interval))
     # Distances beyond the largest approach need not be exact.
-    return solids.distances(interval.pairs, enough + approach), approach
+    return solids.distances(pairs, enough + approach), approach
