@@ -11,9 +11,8 @@ import pytest
 
 from pendant_desk import JOG, ME, READY, Desk
 from robots_controller.io.io_image import Channel
-from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.jog.held_button import Sign
-from robots_controller.pendant.pendant_operator import SERVICES
+from robots_controller.pendant.pendant_operator import SERVICES, ControlDesk
 from robots_controller.pendant.pendant_state import PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
 from robots_controller.pendant.texts import LANGUAGES, read_texts

@@ -18,7 +18,6 @@ from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.measuring.frame_measuring import FrameMeasuring
 from robots_controller.measuring.frame_measuring import Sequence as Touched
-from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.jog.held_button import HeldButton, Sign, standing
 from robots_controller.pendant.jog.jog_prediction import JogPrediction, PredictedStop
 from robots_controller.pendant.jog.pendant_motion import Preview, Way, motion_preview, target_command
@@ -51,6 +50,44 @@ SERVICES: Final[Mapping[Action, str]] = {
     Action.REWIND: 'lua_program_node/reset',
     Action.RESET: 'controller_node/reset',
 }
+
+
+class ControlDesk:
+    """Which viewer of the page operates the cell."""
+
+    def __init__(self) -> None:
+        self.holder = ''
+        """The viewer in control; '' for none."""
+        self.address = ''
+        """Of its browser."""
+        self.log: Callable[[str], object] = str
+        """Gets who has taken control, for a log."""
+
+    def take(self, viewer: str, *, address: str = '', from_other: bool = False) -> None:
+        """Take control, with `from_other` also from a viewer that has it.
+
+        Raises:
+            NotPermittedError: another one has it.
+        """
+        if self.holder not in ('', viewer) and not from_other:
+            raise NotPermittedError('controlled')
+        if viewer != self.holder:
+            self.log(f'the page at {address} operates the robot')
+        self.holder, self.address = viewer, address
+
+    def give_back(self, viewer: str) -> None:
+        """Give control back, if the viewer has it."""
+        if self.holder == viewer:
+            self.holder = ''
+
+    def check(self, viewer: str) -> None:
+        """Check that a viewer is in control.
+
+        Raises:
+            NotPermittedError: it is not.
+        """
+        if self.holder != viewer:
+            raise NotPermittedError('controlled' if self.holder else 'not_in_control')
 
 
 class PendantOperator:

@@ -8,9 +8,8 @@ from typing import Final
 from nicegui import ui
 
 from robots_controller.pendant.page.elements import choices
-from robots_controller.pendant.page.measuring.base_measuring import BaseMeasuring
 from robots_controller.pendant.page.measuring.payload_measuring import PayloadMeasuring
-from robots_controller.pendant.page.measuring.tool_measuring import ToolMeasuring
+from robots_controller.pendant.page.measuring.touching_guides import BaseMeasuring, ToolMeasuring
 from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.program.files.cell_frames import FRAMES_FILE

@@ -16,6 +16,7 @@ from robots_controller.pendant.page.elements import Changes, icon_button, mark, 
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.permissions import Action
 from robots_controller.program.files.cell_frames import CellFrames, FrameKind, read_frames
+from robots_core.errors import RobotsError
 from robots_core.files.user_file import when_written
 
 ICONS: Final = {'touched': 'check_circle', 'next': 'arrow_forward', 'later': 'radio_button_unchecked'}
@@ -35,7 +36,7 @@ class Guide(Part, ABC):
         self.frames = CellFrames()
         """Of the file."""
         self.changed = Changes()
-        """Of what `show_result` depends on."""
+        """Of what its results depend on."""
         self._file_changed = Changes()
         text = viewer.texts
         with ui.element('div').classes(f'guide {self.name}-guide') as self.element:
@@ -72,6 +73,16 @@ class Guide(Part, ABC):
         if self._file_changed(file, when_written(file)):
             self.frames = self.read(partial(read_frames, file)) or CellFrames()
             self._name.set_autocomplete([*self.frames.names(self.kind)])
+
+    def show_result(self, label: ui.label, find: Callable[[], str]) -> bool:
+        """Show what follows from the points, or what is wrong with them; False if something is."""
+        try:
+            text, wrong = find(), False
+        except RobotsError as error:
+            text, wrong = self.text.error(error), True
+        show_text(label, text)
+        mark(label, 'wrong', on=wrong)
+        return not wrong
 
 
 class TouchedPoints(Part):
@@ -110,9 +121,3 @@ class TouchedPoints(Part):
                 label = self.text('frames.remove', name=name)
                 remove = partial(self.operator.measuring.remove, self._kind, index)
                 icon_button('close', label, partial(self.do, self.operator.measure, remove))
-
-
-def show_result(label: ui.label, text: str, *, wrong: bool) -> None:
-    """Show what follows from the points, or what is wrong with them."""
-    show_text(label, text)
-    mark(label, 'wrong', on=wrong)
