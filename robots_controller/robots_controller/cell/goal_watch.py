@@ -7,11 +7,7 @@ ANSWER_PATIENCE: Final = 2.0  # s, for the answer to a goal, and for joint_state
 
 
 class GoalWatch:
-    """Watches the newest goal.
-
-    Args:
-        name: Of the action, for people.
-    """
+    """Watches the newest goal of an action."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -38,12 +34,7 @@ class GoalWatch:
             self._received = newest, now
 
     def problem(self, now: float, *, served: bool) -> str:
-        """Why the goal must be given up; '' if it need not.
-
-        Args:
-            now: s.
-            served: The action is served.
-        """
+        """Why the goal must be given up at a time, s, if the action is served or not; '' if it need not."""
         if now - self._asked > ANSWER_PATIENCE:
             return f'{self._name} has not answered for {ANSWER_PATIENCE:g} s'
         if self.executed and not served:

@@ -44,11 +44,7 @@ class PlannerPort(Protocol):
         """
 
     def flush(self, settings: Mapping[str, object]) -> None:
-        """No motion follows for now: a planner need not wait for one to blend into.
-
-        Args:
-            settings: Those of the last motion.
-        """
+        """No motion follows the last one, which has these settings: a planner need not wait for one."""
 
     def next_id(self) -> str:
         """The id of the next command."""

@@ -15,10 +15,6 @@ class BlockedMotion:
     A robot that stands before an obstacle moves again by itself. A stop that comes while the path around it
     is being planned finds the robot standing: the trajectory that follows must not move it. Whatever comes
     before the path around, or in its place, therefore latches `Fault.OBSTACLE`.
-
-    Args:
-        authority: Who commands the robot, in which mode.
-        stops: Holds the robot until it is reset.
     """
 
     def __init__(self, authority: CommandAuthority, stops: StopLatch) -> None:

@@ -52,10 +52,6 @@ class CommandAuthority:
     def take(self, commander: Commander, *, standing: bool) -> None:
         """Take a free robot; its commander may take it again.
 
-        Args:
-            commander: Takes it.
-            standing: The robot stands.
-
         Raises:
             CommandRefusedError: another one commands it, it moves, or the mode excludes the commander.
         """
@@ -97,11 +93,7 @@ class CommandAuthority:
         self._held_at = now if held else -math.inf
 
     def enabled(self, now: float) -> bool:
-        """Motions of programs may continue.
-
-        Args:
-            now: Time, s.
-        """
+        """Motions of programs may continue at a time, s."""
         if not MODES[self.mode].held:
             return not self._suspended
         return self._hold_timeout <= 0.0 or now - self._held_at <= self._hold_timeout

@@ -210,11 +210,7 @@ class Controller:
     def trip(self, fault: Fault, reason: str, now: float, *, stands: bool = False) -> None:
         """Stop by a fault, in its category; the robot does not move again before `reset`.
 
-        Args:
-            fault: The fault.
-            reason: What has happened, for a person.
-            now: Time, s.
-            stands: Its cause stays until `stops.clear`.
+        If its cause stands, it stays until `stops.clear`.
         """
         if fault.moving_only and self.standing and not self.blocked.waiting:
             return

@@ -58,13 +58,7 @@ def check_arguments(function: LuaFunction, given: Sequence[LuaArgument], sizes: 
 
 
 def wanted_arguments(function: LuaFunction, num_axes: int, given: int) -> list[tuple[str, Argument]]:
-    """Name and argument for each that may come.
-
-    Args:
-        function: Whose.
-        num_axes: n.
-        given: How many came.
-    """
+    """Name and argument for each that may come, of a function that got so many."""
     wanted: list[tuple[str, Argument]] = []
     for argument in function.arguments:
         count = num_axes if argument.per_axis else max(given, 1) if argument.repeated else 0

@@ -112,10 +112,7 @@ class InProcessCell:
     # -- the phases -------------------------------------------------------------------------------
 
     def begin(self, inputs: Mapping[Channel, float]) -> None:
-        """Open the program.
-
-        Args:
-            inputs: Their values at the start.
+        """Open the program, with the values of its inputs at the start.
 
         Raises:
             RobotsError: the program cannot be opened or is not Lua.

@@ -28,13 +28,7 @@ if TYPE_CHECKING:
 
 
 class InProcessPlanner(PlannerPort, MotionPlannerPort):
-    """Both ends of the messages between program, planner and controller.
-
-    Args:
-        cell: The cell.
-        planning: Plans.
-        payload: What the robot carries where the program does not say it.
-    """
+    """Both ends of the messages between program, planner and controller."""
 
     def __init__(self, cell: InProcessCell, planning: PathPlanning, payload: tuple[float, ...]) -> None:
         self._cell, self._control = cell, cell.control.loop

@@ -26,15 +26,7 @@ TOPIC: Final = 'reference_twist'
 
 
 class SimulatedContact(SensorSource):
-    """A `GuideSource` that presses by force, 250 times a second, on what the sensor measured last.
-
-    Args:
-        setup: What the tool touches, and how it presses.
-        robot: The robot.
-        io: The program's outputs.
-        control: Stopped by what must stop the robot.
-        log: Takes what is measured, and what is wrong.
-    """
+    """A `GuideSource` that presses by force, 250 times a second, on what the sensor measured last."""
 
     types: Mapping[str, str] = MappingProxyType({TOPIC: 'geometry_msgs/msg/TwistStamped'})
 

@@ -144,11 +144,7 @@ class SimulatedGuide:
             self._carried.carry(payload)
 
     def hand_over(self, guide: Guide, nanoseconds: int) -> None:
-        """The program hands the robot over, or takes it back.
-
-        Args:
-            guide: SENSOR or PERSON; NONE.
-            nanoseconds: On the simulated clock.
+        """The program hands the robot over, or takes it back, at a time of the simulated clock, ns.
 
         Raises:
             RobotsError: nothing of it is recorded.

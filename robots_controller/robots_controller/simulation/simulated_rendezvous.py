@@ -15,12 +15,7 @@ from robots_core.blocks.following.guide import Guide
 
 
 class SimulatedRendezvous(SensorSource):
-    """A `GuideSource`, whose camera measures the target; takes the gripper's output and sets the inputs.
-
-    Args:
-        rendezvous: The bodies, stepped with the drives.
-        robot: The robot's name.
-    """
+    """A `GuideSource`, whose camera measures the target; takes the gripper's output and sets the inputs."""
 
     types: Mapping[str, str] = MappingProxyType({})  # its messages are all recorded in `after_step`
 

@@ -76,10 +76,9 @@ class FrameSpeedLimit:
         return PathSpeedCap.of(times, allowed, (q_s, q_ss), acceleration, ramp_time)
 
     def stream_share(self, q: Array) -> float:
-        """The share of the axes' velocity limits at which no frame is too fast, whatever axes move, 0..1.
+        """The share of the axes' velocity limits, 0..1, at which no frame is too fast, whatever axes move.
 
-        Args:
-            q: Joint positions, (n,), rad (m).
+        At joint positions `q`, (n,), rad (m).
         """
         if self._limit == 0.0:
             return 1.0

@@ -95,13 +95,7 @@ class SpeedControl:
         return self._target(enabled=motion.failure is None and self.authority.enabled(now))
 
     def step_stream(self, stream: StreamedReference, now: float, before: Array) -> tuple[Array, bool]:
-        """Next reference (3, n) of a stream, and whether it is over, see `StreamedReference.step`.
-
-        Args:
-            stream: The stream.
-            now: Time, s.
-            before: The reference before, (3, n).
-        """
+        """Next reference (3, n) of a stream, and whether it is over; see `StreamedReference.step`."""
         speed = self._target(enabled=self.authority.stream_enabled(now))
         if self._frame_limit is not None:
             speed = min(speed, self._frame_limit.stream_share(before[0]))

@@ -37,10 +37,7 @@ class LimitGuard:
         self._last_velocity = np.zeros_like(position)
 
     def check(self, reference: Array) -> str | None:
-        """Check the next reference.
-
-        Args:
-            reference: (3, n): position, velocity, acceleration.
+        """Check the next reference, (3, n): position, velocity, acceleration.
 
         Returns:
             None, or the limit that it breaks, for a person. Only a reference that passes becomes the

@@ -50,13 +50,7 @@ class StopLatch:
     def trip(self, fault: Fault, reason: str, *, stands: bool = False) -> bool:
         """Latch a fault; of several the first counts, or a stricter one as long as the drives are on.
 
-        Args:
-            fault: The fault.
-            reason: What has happened, for a person.
-            stands: Its cause stays until `clear`.
-
-        Returns:
-            The robot is to be stopped for it.
+        If its cause stands, it stays until `clear`. Returns whether the robot is to be stopped for it.
         """
         if stands:
             self._causes = {**self._causes, fault: reason}

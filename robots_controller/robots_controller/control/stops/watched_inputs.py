@@ -17,12 +17,7 @@ class WatchedInputs:
         self._closed: frozenset[str] | None = None
 
     def check(self, image: Sequence[int], unknown: Mapping[int, str] = MappingProxyType({})) -> None:
-        """Look at the digital inputs.
-
-        Args:
-            image: From the first one on.
-            unknown: See `emergency_reason`.
-        """
+        """Look at the digital inputs, from the first one on; `unknown` is that of `emergency_reason`."""
         closed = closed_zones(self._zones, image)
         reason = emergency_reason(self._emergency, image, unknown)
         if closed != self._closed:

@@ -161,12 +161,7 @@ class Motions(Family):
     def until(
         self, condition: Condition, name: str, arguments: Arguments
     ) -> Generator[None, None, Pose | None]:
-        """Make a motion until a condition holds.
-
-        Args:
-            condition: Holds not yet.
-            name: The motion's function.
-            arguments: Its arguments.
+        """Make a motion, by the name of its function, until a condition holds that does not hold yet.
 
         Returns:
             Where the tool was when it came true, seen from the base; None if it did not.

@@ -13,12 +13,7 @@ from robots_core.files.yaml_section import read_yaml_data
 
 
 def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:
-    """The entries below the one key of a YAML file; none if there is no file.
-
-    Args:
-        path: The file.
-        key: Its key.
-        what: What the file is, for messages.
+    """The entries below the one key of a YAML file; none if there is no file. Messages say what it is.
 
     Raises:
         ProgramError: the file cannot be read, or holds something else.

@@ -21,11 +21,6 @@ class GuidedMotion:
     """Hands the robot over, and takes it back.
 
     A motion of an input's handler takes the robot back too, until the handler has ended.
-
-    Args:
-        state: Of the program.
-        position: Measured joint positions, (n,).
-        hand_over: Sets what guides the robot.
     """
 
     def __init__(

@@ -16,11 +16,7 @@ def without_blend(settings: Mapping[str, object]) -> dict[str, object]:
 
 
 def motion_settings(settings: Mapping[str, object], planner: str = PLANNING_NODE) -> MotionSettings:
-    """Modal settings that a program has changed, as a planner would take them.
-
-    Args:
-        settings: Values by name.
-        planner: Its name, for people.
+    """Modal settings that a program has changed, by name, as a planner would take them.
 
     Raises:
         PlanningError: it would refuse them.

@@ -74,13 +74,7 @@ class MotionCommand:
         return self.pose
 
     def message(self, build: MessageBuilder, stamp: Any, joints: Sequence[str]) -> Any:
-        """The message of the command, see `MotionKind`.
-
-        Args:
-            build: Builds it.
-            stamp: Its id.
-            joints: The robot's.
-        """
+        """The message of the command, see `MotionKind`; its id is the stamp."""
         if self.q is not None:
             return build.joint_state(stamp, joints, self.q)
         if self.path:

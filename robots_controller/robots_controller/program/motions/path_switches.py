@@ -102,13 +102,9 @@ def switches_on_path(
 
 
 def warm_up(direct_kinematics: Callable[[Array], tuple[Array, Array]], q: Array) -> None:
-    """Find a place at joint positions `q`, (n,), so that all code is loaded before a robot moves.
+    """Find a place at joint positions `q`, (n,) rad (m), so that all code is loaded before a robot moves.
 
     In a fresh process that takes some tenths of a second, in which a stop would have to wait.
-
-    Args:
-        direct_kinematics: As for `switches_on_path`.
-        q: rad (m).
     """
     rest = np.zeros((2, len(q)))
     trajectory = Trajectory(np.array([0.0, STEP]), np.stack([q, q]), rest, rest)

@@ -34,12 +34,7 @@ class PlannedPrimitive:
     tool: Pose
 
     def progress(self, q: Array, since: float = 0.0) -> float:
-        """Part of the motion's time at which it is planned to be closest to a posture.
-
-        Args:
-            q: Joint positions (n,), rad (m).
-            since: Part that is over.
-        """
+        """Part of the motion's time, from `since` on, when it is closest to joint positions (n,), rad (m)."""
         time, duration = self.trajectory.time, self.trajectory.duration
         ahead = np.flatnonzero(time >= since * duration)
         if duration <= 0.0 or not ahead.size:
@@ -65,12 +60,7 @@ class PlannedPrimitive:
 
 
 class PrimitivePlanner:
-    """Plans the motions of a program, and gives them as primitives if they keep the limits of the robot.
-
-    Args:
-        robot: The robot.
-        driver: Name of what executes them, for people.
-    """
+    """Plans the motions of a program, and gives them as primitives if they keep the limits of the robot."""
 
     def __init__(self, robot: BaseRobotModel, driver: str) -> None:
         self._robot, self._driver = robot, driver

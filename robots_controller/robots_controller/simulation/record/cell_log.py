@@ -109,14 +109,7 @@ class MotionRecords:
 
 
 class CellLog(ProgramObserver):
-    """Called by the thread that has the turn, see `SimulatedClock`.
-
-    Args:
-        parts: Those of the cell.
-        bag: Takes the messages; None for none.
-        clock: Simulated time.
-        cost: Takes what writing costs.
-    """
+    """Called by the thread that has the turn, see `SimulatedClock`."""
 
     def __init__(self, parts: CellParts, bag: SimulatedBag | None, clock: SimulatedClock, cost: Cost) -> None:
         self.events: list[Event] = []

@@ -12,12 +12,7 @@ INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz
 
 
 class Recording:
-    """Grows as the simulation continues.
-
-    Args:
-        num_axes: n.
-        torque: The drives report torques.
-    """
+    """Grows as the simulation continues."""
 
     def __init__(self, num_axes: int, *, torque: bool) -> None:
         self.count = 0
