@@ -6,7 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from robots_controller.cell.lost_nodes import CONTROLLER, PLANNER, watched_node_changed
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.program.motions.modal_settings import PLANNING_NODE
 
 
 @pytest.mark.parametrize('running', [True, False])
@@ -22,10 +23,10 @@ def test_a_program_that_runs_fails_and_else_a_lost_controller_makes_outputs_safe
         lose_robot=lose_robot,
         make_outputs_safe=lambda: calls.append('safe'),
     )
-    watched_node_changed(host, CONTROLLER, 'silent')  # type: ignore[arg-type]
+    ProgramHost.node_changed(host, 'controller_node', 'silent')  # type: ignore[arg-type]
     assert calls == ['fails: silent', *(['safe'] if not running else [])]
     calls.clear()
-    watched_node_changed(host, PLANNER, 'silent')  # type: ignore[arg-type]
-    watched_node_changed(host, PLANNER, '')  # type: ignore[arg-type]
-    watched_node_changed(host, CONTROLLER, '')  # type: ignore[arg-type]
+    ProgramHost.node_changed(host, PLANNING_NODE, 'silent')  # type: ignore[arg-type]
+    ProgramHost.node_changed(host, PLANNING_NODE, '')  # type: ignore[arg-type]
+    ProgramHost.node_changed(host, 'controller_node', '')  # type: ignore[arg-type]
     assert calls == ['planner: silent', 'fails: silent', 'planner: ']

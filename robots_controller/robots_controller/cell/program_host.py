@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
+from typing import Final
 
 from robots_controller.cell.measured_robot import MeasuredRobot
 from robots_controller.cell.path_switching import PathSwitching
@@ -19,6 +20,7 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.clock import Clock
+from robots_controller.program.motions.modal_settings import PLANNING_NODE
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
@@ -27,6 +29,9 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
+
+WATCHED_NODES: Final = (PLANNING_NODE, 'controller_node')
+"""The nodes without which no program moves the robot."""
 
 
 class ProgramHost(CellPort):
@@ -37,18 +42,10 @@ class ProgramHost(CellPort):
     `permission`, `stop_changed`, `mode_changed` and `run_enabled` with what the controller reports.
 
     Args:
-        robot: The robot.
-        clock: The program's time.
-        robot_port: Measures and hands over the robot.
-        planner: Plans motions.
-        controller: Follows them.
-        observer: Gets the reports.
         digital_size, analog_size, io_labels: As of `LuaProgram`.
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
         fail_safe: Values of outputs when no program controls them, see `make_outputs_safe`.
-        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
-        simulated: Time is simulated.
 
     Raises:
         InvalidInputError: as `LuaProgram`, or a fail-safe value of an output that there is not.
@@ -273,6 +270,13 @@ class ProgramHost(CellPort):
             self.motions.cancel()
             self.make_outputs_safe()  # the program's thread may take a while to end
         return running
+
+    def node_changed(self, name: str, reason: str) -> None:
+        """One of `WATCHED_NODES` is lost, or back: ''; without a controller all outputs get fail-safe."""
+        if name == PLANNING_NODE:
+            self.motions.lose_planner(reason)
+        if reason and not self.lose_robot(reason) and name != PLANNING_NODE:
+            self.make_outputs_safe()
 
     def _report_well(self) -> None:
         self.reporter.open_error = ''

@@ -28,8 +28,8 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import NotNowError, ProgramError, RobotsError
 from robots_core.validation import Array
+from robots_planning.commands.motion_plan import MotionPlan
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.trajectory import Trajectory
 
 WATCH_PERIOD = 0.1  # s between checks of motions that nothing would end
 
@@ -312,14 +312,15 @@ class InProcessCell:
         self.guide_player.carry(settings.payload)
         self.controller.speed.set_tool(settings.tool_pose.r)
 
-    def motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+    def motion_planned(self, plan: MotionPlan) -> None:
         """A plan goes to the controller; see `MotionPlannerPort.send`."""
-        self._host.switching.planned(id_, ends, lambda: trajectory)
+        trajectory = plan.trajectory
+        self._host.switching.planned(plan.id, plan.ends, lambda: trajectory)
         if self._guard is not None:
             path = JointPath(
                 trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration
             )
-            self._guard.planned(id_, path)
+            self._guard.planned(plan.id, path)
 
     def control_ended(self, result: MotionResult) -> None:
         """The controller has ended a motion."""

@@ -90,7 +90,7 @@ class InProcessPlanner(PlannerPort, MotionPlannerPort):
         """See `MotionPlannerPort`."""
         self._log.planned(plan)
         self._control.follow(_as_in_message(plan.trajectory), plan.id, join_time=plan.join_time)
-        self._mail.append(partial(self._cell.motion_planned, plan.id, plan.ends, plan.trajectory))
+        self._mail.append(partial(self._cell.motion_planned, plan))
 
     def answer(self, result: MotionResult) -> None:
         """See `MotionPlannerPort`."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.cell.lost_nodes import WATCHED_NODES, watched_node_changed
-from robots_controller.cell.program_host import ProgramHost
+from robots_controller.cell.program_host import WATCHED_NODES, ProgramHost
 from robots_controller.nodes.ports.program.controller_client import ControllerClient
 from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
@@ -43,7 +41,7 @@ class SuiteMotions:
 
         subscribe(node, DiagnosticStatus, 'motion_result', ended)
         self.controller.report_to(host, changed)
-        self.watch = HeartbeatWatch(node, WATCHED_NODES, watchdog, partial(watched_node_changed, host))
+        self.watch = HeartbeatWatch(node, WATCHED_NODES, watchdog, host.node_changed)
 
     def readiness(self, expected: Sequence[str]) -> MotionReadiness:
         """What autostart waits for, with the nodes that are expected besides."""
