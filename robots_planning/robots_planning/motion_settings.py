@@ -245,20 +245,15 @@ def checked(name: str) -> Callable[[Any], object]:
     return lambda value: CHECKS[name](value, name)
 
 
-def settings_as_text(settings: MotionSettings, pendant: Mapping[str, Any] | None = None) -> dict[str, str]:
-    """The settings by name, each as JSON: how they stand in messages and bags.
+def settings_status(settings: MotionSettings, pendant: Mapping[str, Any] | None = None) -> Status:
+    """The settings as they travel on `motion_settings` and stand in bags: by name, each as JSON.
 
     Args:
         settings: Those of programs.
         pendant: Own ones of the pendant, of `PENDANT_SETTINGS`.
     """
     named = {**asdict(settings), **{f'{PENDANT}{name}': value for name, value in (pendant or {}).items()}}
-    return {name: json.dumps(value) for name, value in named.items()}
-
-
-def settings_status(settings: MotionSettings, pendant: Mapping[str, Any] | None = None) -> Status:
-    """The settings as they travel on `motion_settings`; the arguments are those of `settings_as_text`."""
-    return Status('motion settings', values=settings_as_text(settings, pendant))
+    return Status('motion settings', values={name: json.dumps(value) for name, value in named.items()})
 
 
 def of_pendant(settings: MotionSettings, own: Mapping[str, Any]) -> MotionSettings:
@@ -272,7 +267,7 @@ def of_pendant(settings: MotionSettings, own: Mapping[str, Any]) -> MotionSettin
 
 
 def settings_from_text(texts: Mapping[str, str], *, pendant: bool = False) -> MotionSettings:
-    """Inverse of `settings_as_text`; what is missing has its default.
+    """The settings of a `settings_status`; what is missing has its default.
 
     Args:
         texts: By name; those of the pendant's own settings begin with `PENDANT`.

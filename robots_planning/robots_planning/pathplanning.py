@@ -28,8 +28,8 @@ from robots_planning.trajectory_generators.trajectory_generator import (
     ToolGeometry,
     TrajectoryGenerator,
 )
+from robots_planning.verification.limit_use import ToolSection
 from robots_planning.verification.payload_weight import check_weight
-from robots_planning.verification.tool_speeds import ToolSection
 from robots_planning.verification.trajectory_verification import VerificationReport, verify
 
 WARM_UP_STEP = 0.01  # rad, m

@@ -22,7 +22,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import BaseRobotModel, Pose
 from robots_core.ros.messages import BUILD, diagnostic_status, doubles, pose_message
-from robots_planning.motion_settings import MotionSettings, settings_as_text
+from robots_planning.motion_settings import MotionSettings, settings_status
 
 SHAPES: Final = (Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.TRIANGLE_LIST, Marker.MESH_RESOURCE)
 
@@ -60,7 +60,7 @@ def _statuses(_: BaseRobotModel, __: Time) -> list[Any]:
     return [
         diagnostic_status('motion', '', **pairs),
         diagnostic_status('motion', '', level=DiagnosticStatus.ERROR, **pairs),
-        diagnostic_status('settings', '', **settings_as_text(MotionSettings())),
+        diagnostic_status('settings', '', **settings_status(MotionSettings()).values),
         diagnostic_status('plc', '', **plc),
     ]
 

@@ -9,7 +9,7 @@ import pytest
 
 from robots_core.errors import InvalidInputError
 from robots_planning import MotionSettings
-from robots_planning.motion_settings import DESCRIPTIONS, settings_as_text, settings_from_text
+from robots_planning.motion_settings import DESCRIPTIONS, settings_from_text, settings_status
 
 
 def test_text_and_back_is_exact() -> None:
@@ -20,7 +20,7 @@ def test_text_and_back_is_exact() -> None:
         tool=(0.0, 0.1, 0.2 + 1e-16, 0.0, 0.0, 0.0, 1.0),
         blend_zone=0.1,
     )
-    texts = settings_as_text(settings)
+    texts = settings_status(settings).values
     assert settings_from_text(texts) == settings
     assert list(texts) == list(DESCRIPTIONS)
 
@@ -28,10 +28,12 @@ def test_text_and_back_is_exact() -> None:
 def test_motions_of_the_pendant_have_settings_of_their_own_beside_those_of_programs() -> None:
     settings = MotionSettings(cartesian_speed=1.0, speed_fraction=0.9, blend_zone=0.1)
     own = {'speed_fraction': 0.05, 'cartesian_speed': 0.02}
-    texts = settings_as_text(settings, own)
+    texts = settings_status(settings, own).values
     assert settings_from_text(texts) == settings
     assert settings_from_text(texts, pendant=True) == replace(settings, **own, blend_zone=0.0)
-    assert settings_from_text(settings_as_text(settings), pendant=True) == replace(settings, blend_zone=0.0)
+    assert settings_from_text(settings_status(settings).values, pendant=True) == replace(
+        settings, blend_zone=0.0
+    )
 
 
 def test_what_is_missing_has_its_default() -> None:
@@ -40,7 +42,7 @@ def test_what_is_missing_has_its_default() -> None:
 
 
 def test_every_setting_is_reported() -> None:
-    assert {name: json.loads(text) for name, text in settings_as_text(MotionSettings()).items()} == {
+    assert {name: json.loads(text) for name, text in settings_status(MotionSettings()).values.items()} == {
         name: list(value) if isinstance(value, tuple) else value
         for name, value in asdict(MotionSettings()).items()
     }

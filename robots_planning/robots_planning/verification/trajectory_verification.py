@@ -19,8 +19,7 @@ from robots_planning.paths.path_deviation import (
     path_deviation,
 )
 from robots_planning.trajectory import Trajectory
-from robots_planning.verification.limit_use import AxisExtremes, LimitUse
-from robots_planning.verification.tool_speeds import ToolSection, tool_speeds
+from robots_planning.verification.limit_use import AxisExtremes, LimitUse, ToolSection, tool_speeds
 
 SAMPLE_PERIOD = 1e-3  # s
 LONGEST_MOTION = 3600.0  # s
