@@ -1,6 +1,5 @@
 """Agenda: whose turn is next, by what the participants have reported."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -123,12 +122,12 @@ class Reports:
         self.busy: set[str] = set()
         """Participants whose work continues."""
 
-    def read(self, participant: str, numbers: Sequence[int]) -> None:
-        """Take a report from its third number on; see `REPORT`."""
-        busy, due, counts = numbers[0], numbers[1 : 1 + len(Phase)], numbers[1 + len(Phase) :]
-        self.agenda.set_due(participant, tuple(due))
-        for place in range(0, len(counts), 2):
-            self.traffic.count(participant, counts[place], counts[place + 1])
+    def read(self, participant: str, busy: int, *numbers: int) -> None:
+        """Read a report from its third number on; see `REPORT`."""
+        phases = len(Phase)
+        self.agenda.set_due(participant, numbers[:phases])
+        for place in range(phases, len(numbers), 2):
+            self.traffic.count(participant, numbers[place], numbers[place + 1])
         if busy:
             self.busy.add(participant)
         else:

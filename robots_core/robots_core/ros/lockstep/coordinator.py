@@ -271,7 +271,7 @@ class Coordinator:
                 self._on_led(answered, *numbers)
                 continue
             name = self._names[number]
-            self._reported.read(name, numbers)
+            self._reported.read(name, *numbers)
             if answered == self._sequence:
                 self._outstanding.discard(name)
         self._go_on()

@@ -106,7 +106,7 @@ class Lead:
             for participant in kept:
                 _, _, *numbers = participant.report()
                 self._traffic.join(participant.name, participant.counts.endpoints)
-                self._reported.read(participant.name, numbers)
+                self._reported.read(participant.name, *numbers)
             if not self._reported.quiet:
                 return
             try:
