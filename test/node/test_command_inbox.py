@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
-from robots_planning.nodes.command_inbox import CommandInbox
+from robots_planning.nodes.command_intake import CommandInbox
 
 if TYPE_CHECKING:
     from rclpy.context import Context

@@ -42,8 +42,7 @@ from robots_core.ros.messages import (
     motion_result_from_message,
     motion_result_message,
 )
-from robots_core.ros.peers.fresh_commands import FreshCommands
-from robots_core.ros.peers.heartbeat import watchdog_parameter
+from robots_core.ros.peers.heartbeat import FreshCommands, watchdog_parameter
 from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription

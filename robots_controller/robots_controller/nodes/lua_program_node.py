@@ -35,8 +35,7 @@ from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.shared_parameters import payload_from_parameters
 from robots_core.ros.messages import BUILD
-from robots_core.ros.peers.fresh_commands import FreshCommands
-from robots_core.ros.peers.heartbeat import watchdog_parameter
+from robots_core.ros.peers.heartbeat import FreshCommands, watchdog_parameter
 from robots_core.ros.qos import make_publisher
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.running.run import run

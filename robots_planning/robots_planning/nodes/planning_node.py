@@ -49,8 +49,7 @@ from robots_planning.motion_settings import (
     of_pendant,
     settings_status,
 )
-from robots_planning.nodes.command_admission import CommandAdmission
-from robots_planning.nodes.command_inbox import CommandInbox
+from robots_planning.nodes.command_intake import CommandAdmission, CommandInbox
 from robots_planning.nodes.controller_reference import ControllerReference
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream

@@ -13,7 +13,7 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError, NotNowError, RobotsError
 from robots_core.ros.joint_trajectories import SerializedTrajectory, single_point
 from robots_core.ros.messages import NANOSECONDS, id_stamp, nanoseconds
-from robots_core.ros.peers.fresh_commands import FreshCommands
+from robots_core.ros.peers.heartbeat import FreshCommands
 from robots_core.ros.peers.presence import Sender
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
