@@ -27,11 +27,8 @@ RANK: Final = 1e-6  # relative to the largest singular value
 def default_home(robot: BaseRobotModel, start: Array) -> Array:
     """`start`, if it is neither near a singularity nor in contact with itself; else the nearest that is not.
 
-    Up to three axes are turned by multiples of 30 degrees; where nothing of that is valid, it is `start`.
-
-    Args:
-        robot: The robot; its own `home` is not asked for.
-        start: The first choice, (n,) rad (m).
+    Up to three axes are turned by multiples of 30 degrees; where nothing of that is valid, it is `start`,
+    (n,) rad (m). The robot's own `home` is not asked for.
     """
     free = _Contacts(robot)
     regular = _Regularity(robot)

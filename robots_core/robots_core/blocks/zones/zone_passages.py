@@ -38,16 +38,10 @@ class Passage:
 def passages(
     clearance: ZoneClearance, path: JointPath, since: float | None = None, until: float | None = None
 ) -> tuple[Passage, ...]:
-    """The passages of a path across a border, in their order.
+    """The passages of a path, or of a part of it between two times, s, across a border, in their order.
 
     A robot that is across the border at the start may come back: its first passage begins where it gets
     further across than it is.
-
-    Args:
-        clearance: Of the zone.
-        path: The motion.
-        since: Start time, s; the path's own by default.
-        until: End time, s; the path's own by default.
     """
     low, high = path.start if since is None else since, path.end if until is None else until
     at_start, _ = clearance.closest(path.sample(low), MARGIN)

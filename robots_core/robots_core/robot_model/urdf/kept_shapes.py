@@ -21,12 +21,9 @@ _KINDS: Final[dict[str, Callable[..., Geometry]]] = {kind.__name__: kind for kin
 
 
 def kept_shapes(xml: str, read: Callable[[], tuple[Shape, ...]], *options: object) -> tuple[Shape, ...]:
-    """What `read` returns, computed once for a URDF and its meshes; every time if it has no meshes.
+    """What `read` returns, computed once for a URDF, its meshes and options; every time if it has no meshes.
 
-    Args:
-        xml: The URDF, its meshes named by absolute addresses.
-        read: Reads the shapes; raises a RobotsError if it cannot.
-        options: All else that they depend on.
+    The meshes are named by absolute addresses.
     """
     try:
         contents = _mesh_contents(xml)

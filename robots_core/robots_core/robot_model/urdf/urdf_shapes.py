@@ -21,14 +21,10 @@ DEFAULT_COLOUR: Colour = (0.7, 0.7, 0.7, 1.0)
 def urdf_shapes(
     xml: str, model: pin.Model, kind: Literal['visual', 'collision'], *, hulls: bool = False
 ) -> tuple[Shape, ...]:
-    """All visual or collision shapes of a URDF.
+    """All visual or collision shapes of a URDF, with convex bodies around detailed meshes if `hulls`.
 
-    Args:
-        xml: The URDF, its meshes named by absolute addresses.
-        model: The Pinocchio model of the same URDF: it holds the axis that carries each link, and the link's
-            pose.
-        kind: Which of a link's shapes.
-        hulls: Take convex bodies around meshes that are detailed (see `outer_hull`).
+    The meshes are named by absolute addresses. The Pinocchio model of the same URDF holds the axis that
+    carries each link, and the link's pose.
 
     Raises:
         UnknownRobotError: a mesh file that is missing or cannot be read (its detail `mesh`), or a shape that

@@ -22,13 +22,9 @@ FIRST_SAMPLES = 17  # of the path, for a first bound of the smallest distance
 
 
 def first_approach(solids: SolidSet, path: JointPath, since: float, margins: Array) -> float | None:
-    """The first time at which a pair may be closer than its margin, s; None if none ever is.
+    """The first time from `since` on at which a pair may be closer than its margin, s; None if none ever is.
 
-    Args:
-        solids: The solids.
-        path: The motion.
-        since: Start time, s.
-        margins: (p,) m, one per pair.
+    There is a margin, m, for each pair of the solids, (p,).
     """
     found: float | None = None
     every = np.arange(len(margins))
