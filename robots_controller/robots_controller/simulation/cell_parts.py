@@ -67,15 +67,6 @@ class CellParts:
 
     Attributes:
         setup: What they were made of.
-        robot: The robot.
-        controller: The controller.
-        planning: The planner, with the check for collisions.
-        cell_io: The PLC, and what its files declare.
-        emergency_stop: Inputs that stop the robot.
-        zone_inputs: Inputs that close the borders of zones.
-        references: What guides the robot; None for nothing.
-        contact: What its tool touches, and the force control that guides it then; None for nothing.
-        cabin: The cabin that it carries; None for none.
         period: Of the controller, s.
         walked: As `walk_program` runs it: no guard stops the robot, which stands while others may guide it.
     """

@@ -76,17 +76,8 @@ class RunContext:
     """One run of a program.
 
     Attributes:
-        state: What the program shares with its cell.
-        cell: The cell.
-        view: The robot as the program reads it.
         subprogram: Gives a subprogram's or task's name and text.
-        hold: Holds the program.
-        target: Where the last motion leads.
-        guided: Hands the robot over, and takes it back.
-        pulses: Outputs that switch off by themselves.
-        values: Those that outlast the run.
         start: When the run began, s.
-        waits: How functions wait.
         settings: Modal settings that the program has changed, by the name of their parameter, SI.
         line: Line of the call that is served.
     """

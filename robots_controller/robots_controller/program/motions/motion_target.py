@@ -16,9 +16,6 @@ class RobotView:
     Attributes:
         convention: Order of the orientation angles.
         prismatic: (n,) which axes slide; () for none.
-        points_file: Where taught points stand.
-        values_file: Where persistent values stand.
-        frames_file: Where the tools and bases of the cell stand.
     """
 
     convention: str
