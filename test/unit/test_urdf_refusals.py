@@ -107,6 +107,8 @@ def test_a_link_without_mass_and_inertia_is_a_frame(tmp_path: Path):
         ('<child link="hand"/>', '<child link="arm"/>', 'name="three"', "child link 'arm' of joint 'three'"),
         ('<child link="hand"/>', '', 'name="three"', "joint 'three' has no <child> link"),
         ('<child link="hand"/>', '<child link="lower"/>', 'name="three"', "link 'lower' has two parents"),
+        ('name="three" ', '', '<joint type="', "'hand' has no name"),
+        ('name="three"', 'name="two"', '<child link="hand"/>', "'hand' is named 'two', as another joint is"),
         (
             'name="two" type="revolute"',
             'name="two" type="floating"',

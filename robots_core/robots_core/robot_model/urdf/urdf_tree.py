@@ -20,13 +20,15 @@ class LinkTree:
         links: Names of the links, as they stand in the file.
 
     Raises:
-        UnknownRobotError: a joint without parent or child, a link that is missing, or links in a closed loop.
+        UnknownRobotError: a joint without parent, child or a name of its own, a link that is missing, or
+            links in a closed loop.
     """
 
     def __init__(self, root: etree._Element) -> None:
         self.links = [str(link.get('name')) for link in root.findall('link')]
         self._children: dict[str, list[etree._Element]] = {}
         self._parent_joint: dict[str, etree._Element] = {}
+        names: set[str | None] = {None}
         for joint in root.findall('joint'):
             for role in ('parent', 'child'):
                 if link_of(joint, role) not in self.links:
@@ -42,6 +44,14 @@ class LinkTree:
                     f'closed loop is no tree',
                     **line_of(joint),
                 )
+            name = joint.get('name')
+            if name in names:
+                fault = 'has no name' if name is None else f'is named {name!r}, as another joint is'
+                raise UnknownRobotError(
+                    f'the joint between links {link_of(joint, "parent")!r} and {child!r} {fault}',
+                    **line_of(joint),
+                )
+            names.add(name)
             self._children.setdefault(link_of(joint, 'parent'), []).append(joint)
             self._parent_joint[child] = joint
         for link in self.links:
