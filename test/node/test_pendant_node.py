@@ -139,10 +139,17 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     path.write_text(f'{CRAWL}setDigitalOutput(3, 1)\n{MOVE}')
     cell.operator.open_program(ME, str(path))
     cell.wait(lambda: cell.state.program.path == str(path), 'the program')
-    assert cell.state.program.state is RunState.OPENED
-    cell.hold(RUN_KEY, lambda: any(cell.references[-1].velocities), 'it moves')
-    assert cell.state.commander is Commander.PROGRAM
-    assert (cell.state.program.motion_line, cell.state.program.motion_file) == (3, 'move.lua')
+    cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'a program that can run')
+
+    def moved_by_the_program() -> bool:
+        program = cell.state.program
+        return (
+            any(cell.references[-1].velocities)
+            and cell.state.commander is Commander.PROGRAM
+            and (program.motion_line, program.motion_file) == (3, 'move.lua')
+        )
+
+    cell.hold(RUN_KEY, moved_by_the_program, 'the motion of line 3')
     cell.operator.release(ME)
     cell.wait(lambda: cell.state.program.state is RunState.PAUSED, 'a held program')
     assert cell.state.program.hold == 'release'
