@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
@@ -53,8 +54,10 @@ def _without(module: str) -> Iterator[None]:
 def _load_numba() -> Any:
     # Numba imports coverage wherever it is installed, as a dependency of colcon is; it is used by
     # processes that have imported it before.
-    with garbage_kept(), _without('coverage'):
-        numba = import_module('numba')
+    with garbage_kept(), _without('coverage'), ThreadPoolExecutor(1) as thread:
+        # On a stack that is empty, as that of a new thread: where it is as deep as one of its chunks, CPython
+        # allocates and frees the next one at every call, which can take 0.1 s here.
+        numba = thread.submit(import_module, 'numba').result()
         _load_blas_modules()
     return numba
 
