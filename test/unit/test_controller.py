@@ -9,6 +9,7 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.stops.faults import Fault
 from robots_core.errors import InvalidInputError, TrajectoryRefusedError
 from robots_planning.trajectory import Trajectory
 
@@ -44,6 +45,26 @@ def test_waits_for_feedback_before_it_sends_anything() -> None:
     assert controller.state is ControllerState.WAITING
     with pytest.raises(TrajectoryRefusedError, match='no feedback'):
         controller.follow(FollowedMotion(quintic(np.zeros(2), np.ones(2)), 'x'), 0.0)
+
+
+def test_takes_the_first_feedback_ahead() -> None:
+    controller = Controller(AXES)
+    controller.take(0.0, np.array([0.4, -0.3]))
+    reference = controller.step(0.004, None)
+    assert reference is not None
+    np.testing.assert_array_equal(reference, [[0.4, -0.3], [0, 0], [0, 0]])
+
+
+def test_acts_in_the_next_period_on_feedback_that_was_taken_ahead(controller: Controller) -> None:
+    controller.follow(FollowedMotion(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x'), 0.0)
+    for now in np.arange(0.01, 0.5, 0.01):
+        reference = controller.step(now, None)
+        assert reference is not None
+        controller.take(now, reference[0])
+    controller.take(now, reference[0] + np.array([0.0, 0.5]))
+    assert controller.stops.state.fault is None
+    controller.step(now + 0.01, None)
+    assert controller.stops.state.fault is Fault.FEEDBACK_JUMPED
 
 
 def test_stands_where_the_robot_stands() -> None:

@@ -253,7 +253,7 @@ class ControlLoop:
 
         Args:
             now: Time, s.
-            position: Feedback, (n,), rad (m); None if none is due or came.
+            position: Feedback, (n,), rad (m); None if none is due, came or was taken ahead.
 
         Returns:
             The reference (3, n), None before the first feedback.
@@ -265,6 +265,10 @@ class ControlLoop:
         while mailbox:
             mailbox.popleft()(now)
         return controller.step(now, position)
+
+    def take(self, position: Array) -> None:
+        """Take the feedback (n,), rad (m), of the next period ahead of it, after `report`."""
+        self.controller.take(self._now, position)
 
     def _check_silence(self, silence: float, now: float) -> None:
         """The drives have braked meanwhile, off the path: the motion does not continue."""

@@ -82,6 +82,7 @@ class Controller:
         self._brake: Brake | None = None
         self._feedback = FeedbackWatch(axes, self.settings, processor_share)
         self._found: Finding | None = None  # in the period that is to come
+        self._taken: Array | None = None  # feedback for it
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
         self.blocked = BlockedMotion(self.speed.authority, self.stops)
@@ -252,12 +253,14 @@ class Controller:
 
         Args:
             now: Time, s.
-            feedback: Newest joint positions, (n,), or None if none came since the last call.
+            feedback: Newest joint positions, (n,), or None if none came since the last call or since `take`.
 
         Returns:
             (3, n): position, velocity, acceleration; None before the first feedback.
         """
         finding, self._found = self._found or self._feedback.check(now, feedback, self.reference), None
+        taken, self._taken = self._taken, None
+        feedback = taken if feedback is None else feedback
         if self.reference is None:
             if feedback is not None:
                 self._stand_at(feedback)
@@ -299,6 +302,16 @@ class Controller:
             return Span.standing(reference, 0)
         span = self._following.ahead(motion, self.speed.of_motion(motion, now), periods)
         return span.first(self._guard.passing(span.references)) if len(span) else span
+
+    def take(self, now: float, feedback: Array) -> None:
+        """Look at the feedback of the next period ahead of it: its `step` takes less time.
+
+        Args:
+            now: Time, s.
+            feedback: Joint positions, (n,).
+        """
+        self._found = self._feedback.check(now, feedback, self.reference)
+        self._taken = feedback
 
     def check(self, now: float, feedback: Array | None, reference: Array) -> bool:
         """Look at the feedback of a period of a span; False if the next `step`, of this period, acts on it.

@@ -129,7 +129,7 @@ class ControllerNode(ManagedNode):
         self._stop_publisher = make_publisher(self, DiagnosticStatus, 'stop_status')
         self._feedback = PolledSubscription(self, JointState, 'joint_states', raw=True)
         self._joint_states = JointStateReader(self._names)
-        self._position: Array | None = None
+        self._taken = False  # the feedback of the next cycle
         self._fresh = FreshCommands(self, watchdog)
         intake = TrajectoryIntake(
             self, self._control, self._fresh, self._publish_result, self._report_cancellation
@@ -208,9 +208,8 @@ class ControllerNode(ManagedNode):
 
     def _step(self, now: float) -> None:
         control = self._control
-        if control.feedback_due and self._position is None:
-            self._position = self._take_feedback()
-        reference = control.step(now, self._position)
+        due = control.feedback_due and not self._taken
+        reference = control.step(now, self._take_feedback() if due else None)
         if not self._controller.stops.state.drives_on:
             control.report_stop()  # drives that are to be switched off need not follow the reference
         if reference is not None and (self.active or not self._controller.standing):
@@ -219,7 +218,10 @@ class ControllerNode(ManagedNode):
         self._zones.publish_claims()
         # For the next period: nothing that can wait delays a reference.
         due = control.feedback_due and not self.simulated_time
-        self._position = self._take_feedback() if due else None
+        position = self._take_feedback() if due else None
+        self._taken = position is not None
+        if position is not None:
+            control.take(position)
         if control.cycle % self._health_every == 0:
             self._watch_health()
 

@@ -13,8 +13,8 @@ class ControllerRest:
 
     def periods(self) -> int:
         """See `Rest`."""
-        idle = self._control.idle_cycles
-        return idle and min(idle, self._references.ahead, -self._control.cycle % self._health_every)
+        ahead = self._references.ahead  # of a robot that moves there are none: found out at the least cost
+        return ahead and min(ahead, self._control.idle_cycles, -self._control.cycle % self._health_every)
 
     def left_out(self, periods: int) -> None:
         """See `Rest`."""
