@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from operator import sub
 from typing import Final
 
 import numpy as np
@@ -29,20 +31,23 @@ SETTLED: Final = 1.0  # s from the end of a reference until the robot stands, wh
 
 
 class FeedbackWatch:
-    """Judges the feedback of each period, all axes at once."""
+    """Judges the feedback of each period, all axes at once.
+
+    It computes with lists: for the few axes of a robot that takes less time than calls of numpy.
+    """
 
     def __init__(self, axes: AxesData, settings: ControllerSettings, share: Callable[[], float]) -> None:
         self._axes, self._settings = axes, settings
         self._watchdog, self._share = Watchdog(settings.feedback_timeout, share), share
         self.position: Array | None = None
         """Newest feedback, (n,), rad (m)."""
-        self.time = -np.inf
+        self.time = -math.inf
         """When it came, s."""
-        self._looked = -np.inf
+        self._looked = -math.inf
         self._interval = settings.feedback_timeout / MOST_CHECKS
-        self._moved = -np.inf
-        self._anchor: Array | None = None
-        self._unchanged = np.zeros(axes.num_axes)  # s, each with its reference away
+        self._moved = -math.inf
+        self._anchor: list[float] | None = None
+        self._unchanged = [0.0] * axes.num_axes  # s, each with its reference away
 
     @property
     def lost(self) -> bool:
@@ -73,21 +78,23 @@ class FeedbackWatch:
             return (Fault.FEEDBACK_LOST, reason) if lost else None
         finding = None
         if reference is not None and self.position is not None:
-            if np.count_nonzero(reference[1]):  # of a few values in less time than any()
+            position, velocity, _ = reference.tolist()
+            if any(velocity):
                 self._moved = now
-            change = np.abs(feedback - self.position)
+            measured = feedback.tolist()
+            change = _distances(measured, self.position.tolist())
             finding = (
                 self._jumped(now, change)
-                or self._frozen(change, reference[0], min(now - self.time, timeout / CHECKS))
-                or self._behind(np.abs(feedback - reference[0]))
+                or self._frozen(change, position, min(now - self.time, timeout / CHECKS))
+                or self._behind(_distances(measured, position))
             )
         self.position, self.time = feedback, now
         return finding
 
-    def _jumped(self, now: float, change: Array) -> Finding | None:
-        if np.maximum.reduce(change) <= JUMP:
+    def _jumped(self, now: float, change: list[float]) -> Finding | None:
+        if max(change) <= JUMP:
             return None
-        allowed = np.full_like(change, JUMP)
+        allowed = np.full(len(change), JUMP)
         if now - self._moved < SETTLED:
             allowed += self._axes.velocity * (now - self.time + LATENESS)
         worst = int((change - allowed).argmax())
@@ -99,33 +106,44 @@ class FeedbackWatch:
             'encoder working, does another node publish joint_states?'
         )
 
-    def _frozen(self, change: Array, reference: Array, step: float) -> Finding | None:
-        if self._anchor is None or np.count_nonzero(change) == change.size:
+    def _frozen(self, change: list[float], reference: list[float], step: float) -> Finding | None:
+        if self._anchor is None or all(change):
             self._anchor = reference
-            self._unchanged[:] = 0.0
+            self._unchanged = [0.0] * len(reference)
             return None
-        self._anchor = np.where(change, reference, self._anchor)
-        moved = np.abs(reference - self._anchor)
-        away = moved > FROZEN_DISTANCE
-        if not away.any():
-            self._unchanged[:] = 0.0
+        self._anchor = [
+            new if changed else old for changed, new, old in zip(change, reference, self._anchor, strict=True)
+        ]
+        moved = _distances(reference, self._anchor)
+        if max(moved) <= FROZEN_DISTANCE:
+            self._unchanged = [0.0] * len(moved)
             return None
         # Drives of a busy machine get references late, and stand meanwhile.
-        self._unchanged = np.where(away, self._unchanged + step * self._share(), 0.0)
-        worst = int(self._unchanged.argmax())
-        if self._unchanged[worst] < FROZEN_TIME * self._settings.feedback_timeout:
+        step *= self._share()
+        self._unchanged = [
+            unchanged + step if away > FROZEN_DISTANCE else 0.0
+            for unchanged, away in zip(self._unchanged, moved, strict=True)
+        ]
+        longest = max(self._unchanged)
+        if longest < FROZEN_TIME * self._settings.feedback_timeout:
             return None
+        worst = self._unchanged.index(longest)
         return Fault.FEEDBACK_FROZEN, (
             f'the feedback of {self._axes.names[worst]} has not changed while its reference moved by '
             f'{moved[worst]:.3g} {self._axes.unit(worst)}: is its encoder working, does the drive follow?'
         )
 
-    def _behind(self, error: Array) -> Finding | None:
-        worst, allowed = int(error.argmax()), self._settings.following_error
-        if error[worst] <= allowed:
+    def _behind(self, error: list[float]) -> Finding | None:
+        largest, allowed = max(error), self._settings.following_error
+        if largest <= allowed:
             return None
+        worst = error.index(largest)
         unit = self._axes.unit(worst)
         return Fault.FOLLOWING_ERROR, (
-            f'{self._axes.names[worst]} is {error[worst]:.4g} {unit} behind its reference, allowed is '
+            f'{self._axes.names[worst]} is {largest:.4g} {unit} behind its reference, allowed is '
             f'{allowed:g} {unit}: does the drive follow?'
         )
+
+
+def _distances(values: Sequence[float], others: Sequence[float]) -> list[float]:
+    return list(map(abs, map(sub, values, others)))
