@@ -107,7 +107,8 @@ class Controller:
     @property
     def progress(self) -> float:
         """Done part of the current path, 0..1; 1 when none is followed."""
-        return 1.0 if self._motion is None else self._motion.progress
+        motion = self._motions.current
+        return 1.0 if motion is None else motion.progress
 
     @property
     def obstacle(self) -> str:

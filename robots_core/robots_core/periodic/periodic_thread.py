@@ -64,7 +64,7 @@ class PeriodicThread:
         self._idle_latency = idle_latency
         self._work, self._rest = work, rest
         self._on_error = on_error
-        self._stop = threading.Event()
+        self._stopping = False
         self._thread = threading.Thread(target=self._loop, name=name, daemon=True)
 
     def start(self) -> None:
@@ -74,11 +74,11 @@ class PeriodicThread:
     @property
     def alive(self) -> bool:
         """The thread was started and its end was not requested."""
-        return self._thread.is_alive() and not self._stop.is_set()
+        return self._thread.is_alive() and not self._stopping
 
     def stop(self) -> None:
         """End the thread and wait for it; called by its own work, that call is the last."""
-        self._stop.set()
+        self._stopping = True
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
 
@@ -92,10 +92,9 @@ class PeriodicThread:
             self._on_error(error)
 
     def _keep_time(self) -> None:
-        period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
-        rest = self._rest
+        period, work, rest, clock = self.period, self._work, self._rest, time.monotonic
         deadline = clock() + period
-        while not stopped():
+        while not self._stopping:
             now = clock()
             if now < deadline:
                 time.sleep(deadline - now)

@@ -110,6 +110,9 @@ class ReferenceStream:
         resting: When a reference that is the same as the one before is sent; by default always. Before one
             that differs, the last one is sent again if it was left out: of each motion the stream has the
             period before it.
+
+    Attributes:
+        resting: The same.
     """
 
     def __init__(
@@ -136,7 +139,7 @@ class ReferenceStream:
         self._offset = _offset_to_time_of_day()
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
-        self._resting = RestingRate(1, 0) if resting is None else resting
+        self.resting = RestingRate(1, 0) if resting is None else resting
         self._left_out = False
 
     def publish(self, reference: Array, deadline: float) -> None:
@@ -148,7 +151,7 @@ class ReferenceStream:
                 as far apart as their deadlines, whatever the jitter of sending.
         """
         stands = reference is self._last  # the controller makes no new one
-        if not self._resting.due(resting=stands):
+        if not self.resting.due(resting=stands):
             self._left_out = True
             return
         if not stands:
@@ -158,19 +161,14 @@ class ReferenceStream:
         self._left_out = False
         self._send(deadline)
 
-    @property
-    def ahead(self) -> int:
-        """So many of the next references are not sent if they are the same as the last one."""
-        return self._resting.ahead
-
     def pass_over(self, references: int) -> None:
         """So many were the same, and not sent."""
-        self._resting.pass_over(references)
+        self.resting.pass_over(references)
         self._left_out = True
 
     def restart(self) -> None:
         """Publish each reference again, as if the last one had moved."""
-        self._resting.restart()
+        self.resting.restart()
 
     def _send(self, deadline: float) -> None:
         if self._simulated:
