@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -53,8 +54,49 @@ def test_the_next_check_comes_when_the_silence_is_as_long_as_the_timeout(
 ) -> None:
     watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
     watch = HeartbeatWatch(watcher, ['drive'], timeout, lambda *_: None)
-    watch._check_again(remaining)
-    assert 1e-9 * watch._timer.timer_period_ns == pytest.approx(seconds, abs=1e-8)  # whole nanoseconds
+    assert watch._until_next_look(remaining) == pytest.approx(seconds)
+
+
+def test_a_fast_loop_looks_itself_and_the_executor_calls_back(ros_nodes: Any) -> None:
+    called: list[tuple[str, ...]] = []
+    threads: set[int] = set()
+
+    def call_back(*what: str) -> None:
+        called.append(what)
+        threads.add(threading.get_ident())
+
+    watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
+    watch = HeartbeatWatch(watcher, ['drive'], 0.2, call_back, call_back, loop_period=0.004)
+    node = ros_nodes.add(TimedNode('drive', context=ros_nodes.context))
+    heartbeat = Heartbeat(node)
+    now = watch.due = 100.0  # s, on a clock of its own
+
+    def look_until(done: Callable[[], bool], what: str) -> None:
+        def look() -> bool:
+            nonlocal now
+            now = watch.due
+            watch.poll(now)
+            assert 0.0 < watch.due - now <= 0.04
+            return done()
+
+        ros_nodes.wait_for(look, what=what)
+
+    look_until(lambda: not watch.unseen, 'the first sign of life')
+    heartbeat.stop()
+    look_until(lambda: watch.lost == ('drive',), 'the loss')
+    ros_nodes.wait_for(lambda: len(called) == 2, what='both calls')
+    assert called == [('drive',), ('drive', 'no sign of life of drive for 0.2 s: is it still running?')]
+    assert threading.get_ident() not in threads
+    assert len(threads) == 1
+
+
+def test_a_slow_loop_does_not_look(ros_nodes: Any) -> None:
+    watcher = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
+    watch = HeartbeatWatch(watcher, ['drive'], 0.2, lambda *_: None, loop_period=0.04)
+    assert watch.due == math.inf
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode('drive', context=ros_nodes.context)))
+    ros_nodes.wait_for(lambda: not watch.unseen, what='the first sign of life, by a timer')
+    heartbeat.stop()
 
 
 def test_a_node_whose_callback_does_not_return_is_lost_until_it_does(ros_nodes: Any) -> None:

@@ -181,7 +181,8 @@ def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_
 )
 def test_a_stranger_that_cannot_be_told_apart_stops_the_robot(ros_nodes: Any, topic: str, kind: Any) -> None:
     cell = Cell(ros_nodes)
-    ForeignWriters(cell.controller, cell.controller._control, identified=False)
+    controller = cell.controller
+    controller._foreign = ForeignWriters(controller, controller._control, identified=False)
     publisher = cell.stranger.create_publisher(kind, topic, COMMAND)
     cell.until_health(DiagnosticStatus.ERROR, f'/stranger publishes {topic}')
     assert '/stranger' in cell.call('controller_node/reset').message

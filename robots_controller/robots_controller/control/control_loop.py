@@ -84,7 +84,8 @@ class ControlLoop:
         self._reported = -1.0
         self._stop_state: StopState | None = None
         self._enabled: bool | None = None
-        self._now = 0.0  # of the last step
+        self.now = 0.0
+        """Time of the last step, s."""
 
     @property
     def pending(self) -> bool:
@@ -259,7 +260,7 @@ class ControlLoop:
             The reference (3, n), None before the first feedback.
         """
         controller, mailbox = self.controller, self._mailbox
-        silence, self._now = now - self._now, now
+        silence, self.now = now - self.now, now
         if silence > self._watchdog and not controller.standing:
             self._check_silence(silence, now)
         while mailbox:
@@ -268,7 +269,7 @@ class ControlLoop:
 
     def take(self, position: Array) -> None:
         """Take the feedback (n,), rad (m), of the next period ahead of it, after `report`."""
-        self.controller.take(self._now, position)
+        self.controller.take(self.now, position)
 
     def _check_silence(self, silence: float, now: float) -> None:
         """The drives have braked meanwhile, off the path: the motion does not continue."""
@@ -282,7 +283,7 @@ class ControlLoop:
         while controller.outcomes:
             self._port.result(controller.outcomes.popleft())
         self.report_stop()
-        enabled = controller.speed.authority.enabled(self._now)
+        enabled = controller.speed.authority.enabled(self.now)
         if enabled is not self._enabled:
             self._enabled = enabled
             self._port.run_enabled(enabled=enabled)
@@ -303,7 +304,7 @@ class ControlLoop:
     def follow_span(self, span: Span, now: float) -> None:
         """The periods of a span have passed, the last one at `now`, s."""
         self.controller.pass_over(span)
-        self._now, self._reported = now, self.controller.progress
+        self.now, self._reported = now, self.controller.progress
         self.pass_over(len(span))
 
     def pass_over(self, cycles: int) -> None:

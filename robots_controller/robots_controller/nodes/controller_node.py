@@ -148,8 +148,8 @@ class ControllerNode(ManagedNode):
         self._take_over()
         if not self.active:
             self.give_up()
-        if self.participant is None:
-            ForeignWriters(self, self._control)
+        self._watches = self._commanders.watch, self.watch
+        self._foreign = None if self.participant is not None else ForeignWriters(self, self._control)
         self._report_due = self.create_guard_condition(self.update_health)
         self._executor_priority = priority - 1
 
@@ -161,7 +161,7 @@ class ControllerNode(ManagedNode):
             name='controller',
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
-            rest=ControllerRest(self._control, self._references, self._health_every),
+            rest=ControllerRest(self._control, self._references, self._health_every, self._watches),
         )
 
     def held_up(self, silence: float) -> None:
@@ -222,15 +222,23 @@ class ControllerNode(ManagedNode):
         self._taken = position is not None
         if position is not None:
             control.take(position)
+        for watch in self._watches:
+            if now >= watch.due:
+                watch.poll(now)
         if control.cycle % self._health_every == 0:
             self._watch_health()
+            if self._foreign is not None:
+                self._foreign.poll()
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
-        if raw is not None:
-            with self.refusing('joint_states'):
-                return self._joint_states.position(raw)
-        return None
+        if raw is None:
+            return None
+        try:
+            return self._joint_states.position(raw)
+        except RobotsError as error:
+            self.refuse('joint_states', error, stream=True)
+            return None
 
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""

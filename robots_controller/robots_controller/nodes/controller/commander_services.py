@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
@@ -72,7 +73,11 @@ class CommanderServices:
         subscribe(node, Bool, 'hold_to_run', self._on_hold)
         node.on_change('operating_mode', self._set_mode)
         timeout = PENDANT_LOST_AFTER if watched else 0.0
-        self._watch = HeartbeatWatch(node, ('pendant_node',), timeout, self._on_pendant)
+        period = control.controller.settings.period
+        self.watch: Final = HeartbeatWatch(
+            node, ('pendant_node',), timeout, self._on_pendant, loop_period=period
+        )
+        """The signs of life of the pendant, for the loop."""
         self._publish()
 
     def run_enabled(self, *, enabled: bool) -> None:

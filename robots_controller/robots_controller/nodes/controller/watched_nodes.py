@@ -26,7 +26,6 @@ NODE_NAME: Final = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
 NO_IMAGE: Final = 'digital_inputs, in which the emergency stop is, has not been published yet'
 TO_DRIVES: Final = ('joint_reference', 'drives_on')
 OTHERS: Final = ('joint_states', 'joint_trajectory', 'motion_result')
-FOREIGN_PERIOD: Final = 0.1  # s between searches for others that publish these
 
 
 class WatchedNodes:
@@ -84,9 +83,14 @@ class WatchedNodes:
         if emergency or zones:
             subscribe(node, UInt8MultiArray, 'digital_inputs', self._on_inputs)
         self.heartbeats: Final = HeartbeatWatch(
-            node, tuple(self._faults), watchdog, self._on_change, lambda _: self._wait()
+            node,
+            tuple(self._faults),
+            watchdog,
+            self._on_change,
+            lambda _: self._wait(),
+            loop_period=control.controller.settings.period,
         )
-        """Their signs of life."""
+        """Their signs of life, for the loop."""
         self._wait()
 
     def _on_inputs(self, message: UInt8MultiArray) -> None:
@@ -125,7 +129,14 @@ class ForeignWriters:
         identified = publishers_are_identified() if identified is None else identified
         self._topics = TO_DRIVES if identified else (*TO_DRIVES, *OTHERS)
         self._known: dict[str, set[str]] = {}
-        node.create_timer(FOREIGN_PERIOD, self._check)
+        self._suspected = node.create_guard_condition(self._check)
+
+    def poll(self) -> None:
+        """Look whether there may be any, or not any more; from the thread of a loop."""
+        # Names take ten times as long as counts, which include the node's own publishers.
+        count = self._node.count_publishers
+        if self._known or self._topics is not TO_DRIVES or any(count(topic) > 1 for topic in TO_DRIVES):
+            self._suspected.trigger()
 
     def _check(self) -> None:
         found = {topic: names for topic in self._topics if (names := self._foreign(topic))}

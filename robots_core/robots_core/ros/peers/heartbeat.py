@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
@@ -28,6 +29,8 @@ MOST_CHECKS: Final = 8 * CHECKS
 """Looks within the timeout at a node that is about to be lost."""
 LONGEST_BETWEEN_CHECKS: Final = 0.2
 """s. A process that dies is not replaced sooner: the signs of life of both are seen."""
+ROUNDING: Final = 1e-4
+"""s, of the times of a loop that adds up its periods; far below one of them."""
 NAMESAKE_PERIOD: Final = 0.2  # s
 NAMESAKE_BEATS: Final = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Those of two nodes with one name in a period, and of some before."""
@@ -75,7 +78,7 @@ class Heartbeat:
 
 
 class HeartbeatWatch:
-    """Notices that other nodes, once seen, have died or frozen; in the executor's thread.
+    """Notices that other nodes, once seen, have died or frozen; calls back in the executor's thread.
 
     A node is seen with its first sign of life, or `by_discovery` as soon as the publisher of these is found.
     One that comes back as another process before its silence was noticed has been lost too.
@@ -89,6 +92,8 @@ class HeartbeatWatch:
         on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
         on_seen: Called with a node's name when it is seen.
         by_discovery: A node that dies between its discovery and its first sign of life is lost.
+        loop_period: Of a loop of the node that calls `poll` whenever it is `due`, s. One that is fast enough
+            spares the executor's thread the looks; for any other one there is a timer.
     """
 
     def __init__(
@@ -100,9 +105,13 @@ class HeartbeatWatch:
         on_seen: Callable[[str], None] = lambda _: None,
         *,
         by_discovery: bool = False,
+        loop_period: float = math.inf,
     ) -> None:
         self._node, self._timeout, self._on_change, self._on_seen = node, timeout, on_change, on_seen
         self._by_discovery = by_discovery
+        self._news: deque[Callable[[], object]] = deque()
+        self.due = math.inf
+        """When a loop is to call `poll` next, s on the clock of the node."""
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
         self._processes: dict[str, bytes] = {}  # their last signs of life
         if timeout == 0.0 or node.simulated_time:
@@ -111,7 +120,11 @@ class HeartbeatWatch:
             beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
         self._period = min(timeout / CHECKS, LONGEST_BETWEEN_CHECKS)
-        self._timer = node.create_timer(self._period, self._check)
+        if loop_period <= timeout / MOST_CHECKS:
+            self.due = -math.inf
+            self._news_come = node.create_guard_condition(self._call_back)
+        else:
+            self._timer = node.create_timer(self._period, self._check)
 
     @property
     def lost(self) -> tuple[str, ...]:
@@ -123,8 +136,25 @@ class HeartbeatWatch:
         """Names of the nodes that were not seen yet."""
         return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
 
+    def poll(self, now: float) -> None:
+        """Look, from the thread of a loop, at a time in s."""
+        self.due = now + self._look(now) - ROUNDING
+        if self._news:
+            self._news_come.trigger()
+
     def _check(self) -> None:
-        now = self._node.now()
+        period = round(1e9 * self._look(self._node.now()))
+        if period != self._timer.timer_period_ns:
+            self._timer.timer_period_ns = period
+            self._timer.reset()
+        self._call_back()
+
+    def _call_back(self) -> None:
+        while self._news:
+            self._news.popleft()()
+
+    def _look(self, now: float) -> float:
+        """Look, and return the time until the next look, s: the regular one, or until a node is lost."""
         remaining = math.inf
         for name, (beats, watchdog) in self._watched.items():
             before, seen = watchdog.lost, watchdog.seen
@@ -134,24 +164,23 @@ class HeartbeatWatch:
             if beat is not None and beat != self._processes.setdefault(name, beat):
                 self._processes[name] = beat
                 if not before:
-                    self._on_change(name, f'{name} has died and was started anew')
+                    self._report_change(name, f'{name} has died and was started anew')
                     before = True
             if watchdog.check(now, alive=beat is not None, age=age):
                 reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
-                self._on_change(name, reason)
+                self._report_change(name, reason)
             elif before and not watchdog.lost:
-                self._on_change(name, '')
+                self._report_change(name, '')
             if watchdog.seen and not seen:
-                self._on_seen(name)
+                self._news.append(partial(self._on_seen, name))
             remaining = min(remaining, watchdog.remaining)
-        self._check_again(remaining)
+        return self._until_next_look(remaining)
 
-    def _check_again(self, remaining: float) -> None:
-        """At the regular time, or as soon as a node is lost by its silence."""
-        period = round(1e9 * min(self._period, max(remaining, self._timeout / MOST_CHECKS)))
-        if period != self._timer.timer_period_ns:
-            self._timer.timer_period_ns = period
-            self._timer.reset()
+    def _until_next_look(self, remaining: float) -> float:
+        return min(self._period, max(remaining, self._timeout / MOST_CHECKS))
+
+    def _report_change(self, name: str, reason: str) -> None:
+        self._news.append(partial(self._on_change, name, reason))
 
 
 class NamesakeWatch:
