@@ -141,7 +141,7 @@ def test_a_pendant_that_is_killed_during_a_step_loses_the_robot(t1: CommandedCel
     commands = pendant.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
     t1.wait(lambda: beats.get_subscription_count() and commands.get_subscription_count(), 'the cell')
     alive = pendant.create_timer(0.04, lambda: beats.publish(UInt64(data=1)))
-    watch = t1.controller._commanders._watch
+    watch = t1.controller._commanders.watch
     t1.wait(lambda: not watch.unseen, 'a sign of life')
     t1.publish('override', Float64(data=0.002), STATE)
     assert t1.take('pendant').success
