@@ -132,7 +132,7 @@ class ForeignWriters:
         self._suspected = node.create_guard_condition(self._check)
 
     def poll(self) -> None:
-        """Look whether there may be any, or not any more; from the thread of a loop."""
+        """Look, in the thread of a loop, whether there may be some, or no more."""
         # Names take ten times as long as counts, which include the node's own publishers.
         count = self._node.count_publishers
         if self._known or self._topics is not TO_DRIVES or any(count(topic) > 1 for topic in TO_DRIVES):

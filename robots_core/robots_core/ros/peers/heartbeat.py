@@ -92,8 +92,8 @@ class HeartbeatWatch:
         on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
         on_seen: Called with a node's name when it is seen.
         by_discovery: A node that dies between its discovery and its first sign of life is lost.
-        loop_period: Of a loop of the node that calls `poll` whenever it is `due`, s. One that is fast enough
-            spares the executor's thread the looks; for any other one there is a timer.
+        loop_period: Of a loop of the node that calls `poll` whenever it is `due`, s. If it is too long for
+            that, as by default, a timer looks.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class HeartbeatWatch:
     ) -> None:
         self._node, self._timeout, self._on_change, self._on_seen = node, timeout, on_change, on_seen
         self._by_discovery = by_discovery
-        self._news: deque[Callable[[], object]] = deque()
+        self._changes: deque[Callable[[], object]] = deque()
         self.due = math.inf
         """When a loop is to call `poll` next, s on the clock of the node."""
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
@@ -122,7 +122,7 @@ class HeartbeatWatch:
         self._period = min(timeout / CHECKS, LONGEST_BETWEEN_CHECKS)
         if loop_period <= timeout / MOST_CHECKS:
             self.due = -math.inf
-            self._news_come = node.create_guard_condition(self._call_back)
+            self._changed = node.create_guard_condition(self._call_back)
         else:
             self._timer = node.create_timer(self._period, self._check)
 
@@ -137,10 +137,10 @@ class HeartbeatWatch:
         return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
 
     def poll(self, now: float) -> None:
-        """Look, from the thread of a loop, at a time in s."""
+        """Look, in the thread of a loop; `now` in s, on the clock of the node."""
         self.due = now + self._look(now) - ROUNDING
-        if self._news:
-            self._news_come.trigger()
+        if self._changes:
+            self._changed.trigger()
 
     def _check(self) -> None:
         period = round(1e9 * self._look(self._node.now()))
@@ -150,8 +150,8 @@ class HeartbeatWatch:
         self._call_back()
 
     def _call_back(self) -> None:
-        while self._news:
-            self._news.popleft()()
+        while self._changes:
+            self._changes.popleft()()
 
     def _look(self, now: float) -> float:
         """Look, and return the time until the next look, s: the regular one, or until a node is lost."""
@@ -172,7 +172,7 @@ class HeartbeatWatch:
             elif before and not watchdog.lost:
                 self._report_change(name, '')
             if watchdog.seen and not seen:
-                self._news.append(partial(self._on_seen, name))
+                self._changes.append(partial(self._on_seen, name))
             remaining = min(remaining, watchdog.remaining)
         return self._until_next_look(remaining)
 
@@ -180,7 +180,7 @@ class HeartbeatWatch:
         return min(self._period, max(remaining, self._timeout / MOST_CHECKS))
 
     def _report_change(self, name: str, reason: str) -> None:
-        self._news.append(partial(self._on_change, name, reason))
+        self._changes.append(partial(self._on_change, name, reason))
 
 
 class NamesakeWatch:
