@@ -32,7 +32,7 @@ class ControllerRest:
             min(
                 ahead,
                 control.idle_cycles,
-                -control.cycle % self._health_every,
+                -(control.cycle + 1) % self._health_every,  # watched at the end of a cycle
                 unwatched / control.controller.settings.period,
             )
         )
