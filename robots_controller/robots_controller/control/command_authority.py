@@ -30,7 +30,6 @@ class CommandAuthority:
     ) -> None:
         self.mode = mode
         """The operating mode."""
-        self._needs_hold = MODES[mode].held
         self._hold_timeout = hold_timeout
         self._held_at = -math.inf
         self._suspended = False  # a program that ran in a mode in which run is held
@@ -43,9 +42,9 @@ class CommandAuthority:
         A program that leaves a mode in which run is held moves the robot again when it has taken it anew.
         """
         # Before the mode: the thread that reads `enabled` must not see the new one alone.
-        if self.commander is Commander.PROGRAM and self._needs_hold:
+        if self.commander is Commander.PROGRAM and MODES[self.mode].held:
             self._suspended = True
-        self.mode, self._needs_hold = mode, MODES[mode].held
+        self.mode = mode
         self._held_at = -math.inf
         if self.commander not in MODES[mode].commanders:
             self.commander = Commander.NOBODY
@@ -95,7 +94,7 @@ class CommandAuthority:
 
     def enabled(self, now: float) -> bool:
         """Motions of programs may continue at a time, s."""
-        if not self._needs_hold:
+        if not MODES[self.mode].held:
             return not self._suspended
         return self._hold_timeout <= 0.0 or now - self._held_at <= self._hold_timeout
 

@@ -126,16 +126,16 @@ class ForeignWriters:
 
     def __init__(self, node: RobotNode, control: ControlLoop, *, identified: bool | None = None) -> None:
         self._node, self._control = node, control
-        identified = publishers_are_identified() if identified is None else identified
-        self._topics = TO_DRIVES if identified else (*TO_DRIVES, *OTHERS)
+        self._identified = publishers_are_identified() if identified is None else identified
+        self._topics = TO_DRIVES if self._identified else (*TO_DRIVES, *OTHERS)
         self._known: dict[str, set[str]] = {}
         self._suspected = node.create_guard_condition(self._check)
 
     def poll(self) -> None:
         """Look, in the thread of a loop, whether there may be some, or no more."""
-        # Names take ten times as long as counts, which include the node's own publishers.
+        # Names take longer than counts, which include the node's own publishers.
         count = self._node.count_publishers
-        if self._known or self._topics is not TO_DRIVES or any(count(topic) > 1 for topic in TO_DRIVES):
+        if self._known or not self._identified or any(count(topic) > 1 for topic in TO_DRIVES):
             self._suspected.trigger()
 
     def _check(self) -> None:

@@ -138,23 +138,30 @@ class HeartbeatWatch:
 
     def poll(self, now: float) -> None:
         """Look, in the thread of a loop; `now` in s, on the clock of the node."""
-        self.due = now + self._look(now) - ROUNDING
+        self.due = now + self._until_next_look(self._look(now)) - ROUNDING
         if self._changes:
             self._changed.trigger()
 
     def _check(self) -> None:
-        period = round(1e9 * self._look(self._node.now()))
+        self._check_again(self._look(self._node.now()))
+        self._call_back()
+
+    def _check_again(self, remaining: float) -> None:
+        period = round(1e9 * self._until_next_look(remaining))
         if period != self._timer.timer_period_ns:
             self._timer.timer_period_ns = period
             self._timer.reset()
-        self._call_back()
+
+    def _until_next_look(self, remaining: float) -> float:
+        """The regular time, or until a node is lost by its silence, s."""
+        return min(self._period, max(remaining, self._timeout / MOST_CHECKS))
 
     def _call_back(self) -> None:
         while self._changes:
             self._changes.popleft()()
 
     def _look(self, now: float) -> float:
-        """Look, and return the time until the next look, s: the regular one, or until a node is lost."""
+        """Look, and return how much longer the one that is silent for longest may be, s."""
         remaining = math.inf
         for name, (beats, watchdog) in self._watched.items():
             before, seen = watchdog.lost, watchdog.seen
@@ -174,10 +181,7 @@ class HeartbeatWatch:
             if watchdog.seen and not seen:
                 self._changes.append(partial(self._on_seen, name))
             remaining = min(remaining, watchdog.remaining)
-        return self._until_next_look(remaining)
-
-    def _until_next_look(self, remaining: float) -> float:
-        return min(self._period, max(remaining, self._timeout / MOST_CHECKS))
+        return remaining
 
     def _report_change(self, name: str, reason: str) -> None:
         self._changes.append(partial(self._on_change, name, reason))

@@ -46,8 +46,6 @@ class PolledSubscription:
         )
         participant: Participant | None = getattr(node, 'participant', None)
         self._participant = None if participant is None or participant.started else participant
-        # Another look would only find what has come meanwhile.
-        self._holds_one = qos.depth == 1 and self._participant is None
         self._topic: str = self._subscription.topic_name
         self._now: Callable[[], float] = getattr(node, 'now', time.monotonic)
         self._watch = node.writer_watch(topic) if hasattr(node, 'writer_watch') else None
@@ -83,8 +81,6 @@ class PolledSubscription:
                 if self._watch.accepts(identity, self._now()):
                     self.received = self._identified.received
                     yield message, {}
-                    if self._holds_one:
-                        return
                 elif self._watch.waits(identity):
                     self._waiting = identified
             return
@@ -95,8 +91,6 @@ class PolledSubscription:
                 self.received = taken[1]['received_timestamp']
                 deadline = math.inf
                 yield taken
-                if self._holds_one:
-                    return
             elif self._participant is None or not self._participant.is_behind(self._topic, self._newest):
                 return
             else:

@@ -110,9 +110,6 @@ class ReferenceStream:
         resting: When a reference that is the same as the one before is sent; by default always. Before one
             that differs, the last one is sent again if it was left out: of each motion the stream has the
             period before it.
-
-    Attributes:
-        resting: The same.
     """
 
     def __init__(
@@ -140,6 +137,7 @@ class ReferenceStream:
         self._serialized = SerializedRows(message, (3, n), end=EMPTY_SEQUENCE_SIZE + DURATION_SIZE)
         self._last: Array | None = None
         self.resting = RestingRate(1, 0) if resting is None else resting
+        """When a reference is sent that is the same as the one before."""
         self._left_out = False
 
     def publish(self, reference: Array, deadline: float) -> None:
