@@ -227,13 +227,15 @@ def test_what_is_refused_says_why_where_it_was_pressed(
 ) -> None:
     show(page, 'Program')
     panel = page.locator('.program-panel')
-    panel.get_by_role('button', name='Pause').click(force=True)  # it is shown as disabled
+    pause = panel.get_by_role('button', name='Pause')
+    wait(page, lambda: pause.get_attribute('title') == 'No program runs.', 'the hint of a button')
+    pause.click(force=True)  # it is shown as disabled
     panel.get_by_text('No program runs.').first.wait_for()
     assert cell.calls == []
     running_program(operator)
     cell.refusal = 'the interpreter does not answer'
     page.locator('.running').wait_for()
-    panel.get_by_role('button', name='Pause').click()
+    pause.click()
     panel.get_by_text(cell.refusal).wait_for()
     assert cell.calls == [('lua_program_node/pause',)]
 

@@ -30,10 +30,19 @@ def mark(element: ui.element, name: str, *, on: bool) -> None:
     element.classes(add=name if on else '', remove='' if on else name)
 
 
-def show_text(label: ui.label | ui.tooltip, text: str) -> None:
+def show_text(label: ui.label, text: str) -> None:
     """Show a text; a label without one is hidden."""
     label.set_text(text)
     label.set_visibility(bool(text))
+
+
+def show_hint(element: ui.element, text: str) -> None:
+    """Show a text beside an element while the mouse points to it; '' for none.
+
+    By the browser: while one of Quasar's tooltips opens, Quasar holds back the focus of a list that was just
+    used, and a text field in which a person has begun to type loses it to that list.
+    """
+    element.props['title'] = text
 
 
 def text_button(text: str, icon: str, press: Callable[[], object]) -> ui.button:

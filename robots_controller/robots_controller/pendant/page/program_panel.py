@@ -16,7 +16,7 @@ from pygments.lexers import LuaLexer
 
 from robots_controller.interpreter.debugger import CallStack, Variable
 from robots_controller.pendant.jog.held_button import RUN_KEY, STEP_KEY
-from robots_controller.pendant.page.elements import Changes, Choice, held_button, mark, show_text
+from robots_controller.pendant.page.elements import Changes, Choice, held_button, mark, show_hint, show_text
 from robots_controller.pendant.page.program_editor import ProgramEditor
 from robots_controller.pendant.page.teach_row import TeachRow
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
@@ -101,8 +101,8 @@ class ProgramPanel(Part):
                 )
                 ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
-                with held_button(RUN_KEY, 'play_arrow', text('program.hold')) as self._hold:
-                    ui.tooltip(text('program.hold_hint'))
+                self._hold = held_button(RUN_KEY, 'play_arrow', text('program.hold'))
+                show_hint(self._hold, text('program.hold_hint'))
                 self._buttons = {
                     action: ActionButton(
                         viewer,

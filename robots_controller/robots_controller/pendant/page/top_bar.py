@@ -7,7 +7,7 @@ from typing import Final
 
 from nicegui import ui
 
-from robots_controller.pendant.page.elements import Choice, icon_button, mark
+from robots_controller.pendant.page.elements import Choice, icon_button, mark, show_hint
 from robots_controller.pendant.page.viewer import ActionButton, Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
@@ -118,8 +118,8 @@ class TopBar(Part):
         with ui.element('button').classes('stop').props('type=button') as stop:
             ui.label(self.text('bar.stop')).classes('word')
             ui.label('Esc').classes('key')
-            ui.tooltip(self.text('bar.stop_hint'))
         stop.props(f'aria-label="{self.text("bar.stop")}"')
+        show_hint(stop, self.text('bar.stop_hint'))
         # At the press, not at its end; and by the key, wherever the focus is.
         stop.on('pointerdown', self.operator.stop, args=[])
         ui.on('pendant_stop', self.operator.stop, args=[])

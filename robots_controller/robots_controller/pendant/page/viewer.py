@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol, TypeVar
 
 from nicegui import run, ui
 
-from robots_controller.pendant.page.elements import Changes, mark, show_text, text_button
+from robots_controller.pendant.page.elements import Changes, mark, show_hint, show_text, text_button
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError
@@ -127,8 +127,6 @@ class ActionButton(Part):
         super().__init__(viewer)
         self.action, self._changed = action, Changes()
         self.element = text_button(text, icon, press)
-        with self.element:
-            self._tooltip = ui.tooltip()
         viewer.buttons.append(self)
 
     def show(self, reason: str) -> None:
@@ -136,4 +134,4 @@ class ActionButton(Part):
         if self._changed(reason):
             mark(self.element, 'blocked', on=bool(reason))
             self.element.props(f'aria-disabled={"true" if reason else "false"}')
-            show_text(self._tooltip, reason)
+            show_hint(self.element, reason)
