@@ -39,7 +39,7 @@ PROGRAMS = [name for _, name in EXECUTABLES if not name.endswith('_node')]
 
 DEADLINE = 240.0  # s, on a slow and busy machine
 SIGNAL_PERIOD = 0.05  # s, between two signals to nodes that end
-# What a process prints in which Fast DDS hangs, see `bounded_end`, behind what its node has logged.
+# Printed by a process in which Fast DDS hangs, see `bounded_end`; its node may have logged lines before.
 HUNG_AT_ITS_END = re.compile(r'^Timeout \(.* in _end$', re.MULTILINE | re.DOTALL)
 
 

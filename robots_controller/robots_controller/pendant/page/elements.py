@@ -39,8 +39,8 @@ def show_text(label: ui.label, text: str) -> None:
 def show_hint(element: ui.element, text: str) -> None:
     """Show a text beside an element while the mouse points to it; '' for none.
 
-    By the browser: while one of Quasar's tooltips opens, Quasar holds back the focus of a list that was just
-    used, and a text field in which a person has begun to type loses it to that list.
+    The browser shows it. While a tooltip of Quasar opens, Quasar delays giving the focus back to a list that
+    was just used, and then takes it from the text field in which a person has begun to type.
     """
     element.props['title'] = text
 
