@@ -14,8 +14,8 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
 from late_drives import PATIENT
+from robots_controller.control import motion_admission
 from robots_controller.control.stops.faults import Fault
-from robots_controller.nodes.ports import trajectory_intake
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.timed_node import TimedNode
@@ -33,7 +33,7 @@ def bench(ros_nodes: Any) -> ControllerBench:
 def test_a_motion_of_a_program_that_is_lost_does_not_begin(
     ros_nodes: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(trajectory_intake, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
+    monkeypatch.setattr(motion_admission, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
     bench = ControllerBench(ros_nodes, watchdog=1.0)
     heartbeat = Heartbeat(ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context)))
     bench.wait(lambda: 'lua_program_node' not in bench.controller.watch.unseen, 'its heartbeat')
@@ -52,7 +52,7 @@ def test_a_motion_of_a_program_that_is_lost_does_not_begin(
 def test_a_motion_that_was_commanded_before_the_planner_was_lost_does_not_begin(
     ros_nodes: Any, monkeypatch: pytest.MonkeyPatch, when: str
 ) -> None:
-    monkeypatch.setattr(trajectory_intake, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
+    monkeypatch.setattr(motion_admission, 'GIVEN_UP_AFTER', 1e3)  # s: no machine is too slow for it
     bench = ControllerBench(ros_nodes, watchdog=1.0)
     planner = ros_nodes.add(TimedNode('planning_node', context=ros_nodes.context))
     heartbeat = Heartbeat(planner)

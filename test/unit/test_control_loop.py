@@ -15,7 +15,7 @@ from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
-from robots_core.errors import NotNowError, RobotsError
+from robots_core.errors import CommandRefusedError, NotNowError, RobotsError
 
 from .two_axes import quintic, two_axes
 
@@ -357,6 +357,22 @@ def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(rig: Rig, 
     result = rig.run_until_result()
     assert result.ok is (commander is Commander.PROGRAM)
     assert result.message == ('reached' if result.ok else 'silent')
+
+
+def test_who_takes_the_robot_over_stops_it_unless_it_has_the_robot_already(rig: Rig) -> None:
+    authority = rig.loop.controller.speed.authority
+    rig.loop.take(Commander.REMOTE)
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.run(50)
+    with pytest.raises(CommandRefusedError, match='PROGRAM'):
+        rig.loop.take(Commander.PROGRAM)
+    rig.loop.take_over(Commander.REMOTE)
+    rig.run(50)
+    assert not rig.results
+    rig.loop.take_over(Commander.PROGRAM)
+    assert authority.commander is Commander.PROGRAM
+    result = rig.run_until_result()
+    assert (result.ok, result.message) == (False, 'PROGRAM took the robot over')
 
 
 def test_cycles_that_have_nothing_to_do_may_be_left_out() -> None:

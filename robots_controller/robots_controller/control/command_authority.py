@@ -80,7 +80,7 @@ class CommandAuthority:
         return had
 
     def take_over(self, commander: Commander) -> None:
-        """Take the robot from any commander; the transport stops what moves it.
+        """Take the robot from any commander, see `ControlLoop.take_over`.
 
         Raises:
             CommandRefusedError: the mode excludes the commander.

@@ -215,6 +215,26 @@ class ControlLoop:
         elif reason:
             self.trip(fault, reason)
 
+    def take(self, commander: Commander) -> None:
+        """A commander takes the robot, which stands.
+
+        Raises:
+            CommandRefusedError: as `CommandAuthority.take`.
+        """
+        self.controller.speed.authority.take(commander, standing=self.at_rest)
+
+    def take_over(self, commander: Commander) -> None:
+        """A commander takes the robot from any other one, whose motions end on their path.
+
+        Raises:
+            CommandRefusedError: as `CommandAuthority.take_over`.
+        """
+        authority = self.controller.speed.authority
+        before = authority.commander
+        authority.take_over(commander)
+        if before is not commander:
+            self.cancel(f'{commander} took the robot over')
+
     def lose_commander(self, commander: Commander, reason: str) -> bool:
         """A commander is gone; returns whether it had the robot, which is free then.
 
@@ -267,7 +287,7 @@ class ControlLoop:
             mailbox.popleft()(now)
         return controller.step(now, position)
 
-    def take(self, position: Array) -> None:
+    def take_feedback(self, position: Array) -> None:
         """Take the feedback (n,), rad (m), of the next period ahead of it, after `report`."""
         self.controller.take(self.now, position)
 

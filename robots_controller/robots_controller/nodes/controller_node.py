@@ -221,7 +221,7 @@ class ControllerNode(ManagedNode):
         position = self._take_feedback() if due else None
         self._taken = position is not None
         if position is not None:
-            control.take(position)
+            control.take_feedback(position)
         for watch in self._watches:
             if now >= watch.due:
                 watch.poll(now)

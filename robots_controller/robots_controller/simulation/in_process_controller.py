@@ -134,7 +134,7 @@ class InProcessController(ControlPort, ControllerPort):
     def command(self, *, taken: bool) -> None:
         """See `ControllerPort`; there is no other commander."""
         if taken:
-            self._authority.take(Commander.PROGRAM, standing=self.loop.at_rest)
+            self.loop.take(Commander.PROGRAM)
         else:
             self._authority.give_back(Commander.PROGRAM)
         self._log.value('commander', self._authority.commander.value)

@@ -97,7 +97,7 @@ class CommanderServices:
     def _take(self, commander: Commander, taken: bool) -> str:  # noqa: FBT001  # the value of a SetBool
         try:
             if taken:
-                self._authority.take(commander, standing=self._control.at_rest)
+                self._control.take(commander)
                 return f'{commander} commands the robot'
             self._authority.give_back(commander)
             return 'nobody commands the robot'
@@ -105,10 +105,7 @@ class CommanderServices:
             self._publish()
 
     def _take_over(self, commander: Commander) -> str:
-        before = self._authority.commander
-        self._authority.take_over(commander)
-        if before is not commander:
-            self._control.cancel(f'{commander} took the robot over')
+        self._control.take_over(commander)
         self._publish()
         return f'{commander} commands the robot'
 

@@ -1,16 +1,15 @@
 """TrajectoryIntake: trajectories and points of streams as messages to the controller."""
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControlLoop
+from robots_controller.control.motion_admission import MotionAdmission
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import InvalidInputError, NotNowError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.ros.joint_trajectories import SerializedTrajectory, single_point
 from robots_core.ros.messages import NANOSECONDS, id_stamp, nanoseconds
 from robots_core.ros.peers.heartbeat import FreshCommands
@@ -18,25 +17,8 @@ from robots_core.ros.peers.presence import Sender
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.motion_messages import trajectory_from_message
-from robots_planning.verification.trajectory_verification import verify
 
 CANCELED: Final = 'canceled by an empty joint_trajectory'
-GIVEN_UP_AFTER: Final = 0.5  # s, until the planner has noticed that a commander is lost, or that it was
-
-
-@dataclass(frozen=True)
-class Loss:
-    """A node that was lost, and which motions are refused for that.
-
-    Attributes:
-        reason: For a person.
-        until: So long they are refused, s; by default none is.
-        before: Those that were commanded before this, ns of ROS time; by default all.
-    """
-
-    reason: str = ''
-    until: float = -math.inf
-    before: float = math.inf
 
 
 class TrajectoryIntake:
@@ -53,7 +35,7 @@ class TrajectoryIntake:
         self._node, self._control, self._fresh = node, control, fresh
         self._publish, self._report_cancellation = publish, report_cancellation
         self._names = list(node.robot.axes_data.names)
-        self._commander_loss = self._planner_loss = Loss()
+        self._admission = MotionAdmission(node.robot)
         self._subscription: Any = subscribe(
             node,
             JointTrajectory,
@@ -64,15 +46,15 @@ class TrajectoryIntake:
         )
 
     def lose_commander(self, reason: str) -> None:
-        """Refuse motions for now: the planner may send one that the lost commander has commanded."""
-        self._commander_loss = Loss(reason, until=self._node.now() + GIVEN_UP_AFTER)
+        """The commander of the robot is lost."""
+        self._admission.lose_commander(reason, self._node.now())
 
     def planner_changed(self, reason: str) -> None:
-        """The planner is lost, or is back (''): it may be about to send what was commanded before."""
+        """The planner is lost, or is back ('')."""
         if reason:
-            self._planner_loss = Loss(reason, math.inf, self._node.get_clock().now().nanoseconds)
+            self._admission.lose_planner(reason, self._node.get_clock().now().nanoseconds)
         else:
-            self._planner_loss = replace(self._planner_loss, until=self._node.now() + GIVEN_UP_AFTER)
+            self._admission.planner_is_back(self._node.now())
 
     def _take(self, raw: bytes) -> None:
         message = SerializedTrajectory(raw)
@@ -88,24 +70,15 @@ class TrajectoryIntake:
             return
         try:
             self._fresh.check(sender)
-            self._check_lost(message)
+            self._admission.check_lost(self._node.now(), nanoseconds(id_stamp(message.id)))
             self._follow(message)
         except RobotsError as error:
             self._publish(MotionResult.refused(message.id, error))
             self._node.journal.error(f'joint_trajectory: {error}')
 
-    def _check_lost(self, message: SerializedTrajectory) -> None:
-        now, commanded = self._node.now(), nanoseconds(id_stamp(message.id))
-        for loss in (self._commander_loss, self._planner_loss):
-            if now < loss.until and commanded < loss.before:
-                raise NotNowError(f'given up: {loss.reason}')
-
     def _follow(self, message: SerializedTrajectory) -> None:
         trajectory, join = trajectory_from_message(message, self._names)
-        moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join != 0.0 else None
-        report = verify(trajectory, self._node.robot, torque=False, start_motion=moving)
-        if not report.ok:
-            raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
+        self._admission.check_limits(trajectory, joins=join != 0.0)
         self._control.follow(trajectory, message.id, join_time=join)
 
     def _stream(self, message: JointTrajectory, id_: str) -> None:
