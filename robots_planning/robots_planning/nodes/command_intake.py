@@ -18,25 +18,24 @@ from robots_core.ros.peers.identified_messages import deliver
 from robots_core.ros.peers.presence import Sender
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
+from robots_planning.commands.admitted_commands import AdmittedCommands
 from robots_planning.commands.motion_planner import MotionPlanner
 
 NO_STOP: Final = 'none'
 
 
 class CommandAdmission:
-    """Admits the commands of the robot's commander.
+    """Admits the commands of the robot's commander, and has `AdmittedCommands` give them up.
 
-    What was admitted and does not move the robot yet, as it is still being planned or held, is given up when
-    its commander is lost, another one takes the robot, the robot is stopped, or the planner itself was held
-    up. A program gives up its motions by itself when the robot is stopped.
+    They are also given up when the planner itself was held up.
     """
 
     def __init__(self, node: RobotNode, planner: MotionPlanner, watchdog: float) -> None:
         self._node, self._planner = node, planner
-        self.commanders = CommanderWatch(node, self._on_taken)
+        self._admitted = AdmittedCommands(planner)
+        self.commanders = CommanderWatch(node, self._admitted.taken)
         """Follows the commander of the robot."""
         self._fresh = FreshCommands(node, watchdog)
-        self._last = Commander.NOBODY  # whose command was admitted last
         self._was_held_up = node.create_guard_condition(planner.release)
         self.watch = HeartbeatWatch(node, ('lua_program_node',), watchdog, self._on_watched)
         """Watches the program's node."""
@@ -50,7 +49,7 @@ class CommandAdmission:
             CommandRefusedError: as `CommanderWatch.check`.
         """
         self.commanders.check(commander)
-        self._last = commander
+        self._admitted.admit(commander)
 
     def check_sent(self, sender: Sender) -> Commander:
         """Admit a command of a node; returns what this node is.
@@ -62,7 +61,7 @@ class CommandAdmission:
         commander = self.commanders.of_node(sender.name)
         self.commanders.check(commander)
         self._fresh.check(sender)
-        self._last = commander
+        self._admitted.admit(commander)
         return commander
 
     def missed(self) -> bool:
@@ -75,19 +74,15 @@ class CommandAdmission:
             self._planner.held_up()  # before the next sign of life, after which nothing is missed any more
             self._was_held_up.trigger()
 
-    def _on_taken(self) -> None:
-        if self._last is not self.commanders.commander:
-            self._planner.give_up(f'{self.commanders.commander} has taken the robot')
-
     def _on_watched(self, name: str, reason: str) -> None:
-        if reason and self._last is NODES[name]:
-            self._planner.give_up(reason)
+        if reason:
+            self._admitted.lost(NODES[name], reason)
 
     def _on_stop(self, message: DiagnosticStatus) -> None:
-        if message.message != NO_STOP and self._last is not Commander.PROGRAM:
+        if message.message != NO_STOP:
             now = self._node.get_clock().now().nanoseconds / NANOSECONDS
             until = number_in(diagnostic_values(message), 'until', now)
-            self._planner.give_up(message.message, min(until, now))
+            self._admitted.stopped(message.message, min(until, now))
 
 
 class CommandInbox:

@@ -7,7 +7,6 @@ from std_msgs.msg import String
 
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode, check_command
-from robots_core.errors import RobotsError
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 
@@ -20,10 +19,10 @@ class CommanderWatch:
 
     Args:
         node: The node that subscribes.
-        on_taken: Called when another commander has taken the robot.
+        on_taken: Called with another commander that has taken the robot.
     """
 
-    def __init__(self, node: RobotNode, on_taken: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, node: RobotNode, on_taken: Callable[[Commander], object] = lambda _: None) -> None:
         self._on_taken = on_taken
         namespace = node.get_namespace().rstrip('/')
         self._nodes = {f'{namespace}/{name}': commander for name, commander in NODES.items()}
@@ -46,14 +45,6 @@ class CommanderWatch:
         guide = self.guide or Guide.NONE
         check_command(sender, commander=self.commander, mode=self.mode, guide=guide)
 
-    def allows(self, sender: Commander) -> bool:
-        """A commander may command the robot now."""
-        try:
-            self.check(sender)
-        except RobotsError:
-            return False
-        return True
-
     def of_node(self, name: str) -> Commander:
         """What a node that commands motions is, by its full name; the present commander for ''."""
         if not name:
@@ -63,7 +54,7 @@ class CommanderWatch:
     def _on_commander(self, message: String) -> None:
         before, self.commander = self.commander, Commander(message.data)
         if self.commander not in (before, Commander.NOBODY):
-            self._on_taken()
+            self._on_taken(self.commander)
 
     def _on_mode(self, message: String) -> None:
         self.mode = OperatingMode(message.data)
