@@ -10,7 +10,13 @@ from hypothesis import given
 
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_core.blocks.following.guide import Guide
-from robots_core.cell_interface.operating_modes import MODES, Commander, OperatingMode, check_command
+from robots_core.cell_interface.operating_modes import (
+    MODES,
+    Commander,
+    OperatingMode,
+    check_command,
+    sensor_guides,
+)
 from robots_core.errors import CommandRefusedError, InvalidInputError
 
 DOCS = Path(__file__).parents[2] / 'docs' / 'how_to' / 'operating_modes.md'
@@ -181,3 +187,19 @@ def test_the_documentation_lists_the_modes() -> None:
         for mode, rules in MODES.items()
     ]
     assert '\n'.join(rows) in DOCS.read_text()
+
+
+@pytest.mark.parametrize('commander', Commander)
+@pytest.mark.parametrize('mode', [None, *OperatingMode])
+@pytest.mark.parametrize('guide', [None, *Guide])
+def test_a_sensor_guides_as_commander_or_where_the_program_lets_it(
+    commander: Commander, mode: OperatingMode | None, guide: Guide | None
+) -> None:
+    permitted = mode is None or Commander.SENSOR in MODES[mode].commanders
+    if commander is Commander.SENSOR:
+        expected = permitted
+    elif guide is Guide.SENSOR and commander in (Commander.PROGRAM, Commander.NOBODY):
+        expected = True  # the program lends it its robot, in every mode
+    else:
+        expected = guide is None and commander is Commander.NOBODY and permitted
+    assert sensor_guides(commander=commander, mode=mode, guide=guide) is expected

@@ -42,8 +42,7 @@ class SimulatedCockpit(SensorSource):
         super().hand_over(guide, now)
         if self._replay is not None:
             self._replay.hand_over(guide, now)
-        if not self.handed_over:
-            self._cockpit.reset()
+        self._cockpit.hand_over(handed_over=self.handed_over)
 
     def due(self, now: int) -> Iterator[GuidingMessage]:
         """See `GuideSource`."""

@@ -115,6 +115,23 @@ def check_command(
         )
 
 
+def sensor_guides(*, commander: Commander, mode: OperatingMode | None, guide: Guide | None) -> bool:
+    """The robot follows reference poses and twists now.
+
+    Args:
+        commander: The present commander.
+        mode: The cell's operating mode; None where no controller publishes one.
+        guide: What the program lets guide its robot; None without a program's node.
+    """
+    if commander is not Commander.SENSOR and guide not in (None, Guide.SENSOR):
+        return False
+    try:
+        check_command(Commander.SENSOR, commander=commander, mode=mode, guide=guide or Guide.NONE)
+    except CommandRefusedError:
+        return False
+    return True
+
+
 def check_mode(sender: Commander, mode: OperatingMode | None) -> None:
     """Check that a commander may command the robot in an operating mode, where one is known.
 

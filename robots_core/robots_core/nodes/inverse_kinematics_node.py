@@ -14,12 +14,11 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
-from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
-from robots_core.cell_interface.operating_modes import Commander
+from robots_core.cell_interface.operating_modes import sensor_guides
 from robots_core.errors import RobotsError
 from robots_core.nodes.shared_parameters import (
     NO_TOOL,
@@ -131,7 +130,9 @@ class InverseKinematicsNode(RobotNode):
 
     def _step(self, now: float) -> None:
         self._received = False
-        self._guidance.hand_over(handed_over=self._handed_over())
+        watch = self.commanders
+        guides = sensor_guides(commander=watch.commander, mode=watch.mode, guide=watch.guide)
+        self._guidance.hand_over(handed_over=guides)
         self._take_references(now)
         start = time.thread_time()
         step = self._guidance.step(now)
@@ -139,11 +140,6 @@ class InverseKinematicsNode(RobotNode):
             self._last = step
             self._stream.publish(np.array([step.q, step.q_dot, step.q_ddot]), now)
             self._durations.append(time.thread_time() - start)
-
-    def _handed_over(self) -> bool:
-        commanders = self.commanders
-        lent = commanders.guide in (None, Guide.SENSOR) or commanders.commander is Commander.SENSOR
-        return lent and commanders.allows(Commander.SENSOR)
 
     def _take_references(self, now: float) -> None:
         base_link = self.robot.base_link

@@ -40,7 +40,7 @@ class MotionCueingNode(RobotNode):
 
     def _open(self, cabin: Cabin) -> None:
         self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
-        self._guiding = self._moved = False
+        self._guiding = False
         self._inputs = {
             topic: PolledSubscription(self, message_class(kind), topic) for topic, kind in INPUTS.items()
         }
@@ -54,12 +54,9 @@ class MotionCueingNode(RobotNode):
 
     def _step(self, _now: float) -> None:
         messages = {topic: subscription.take() for topic, subscription in self._inputs.items()}
-        if not self._guiding:
-            if self._moved:
-                self._cockpit.reset()
-            self._moved = False
+        self._cockpit.hand_over(handed_over=self._guiding)
+        if not self._cockpit.handed_over:
             return
-        self._moved = True
         for topic, message in messages.items():
             if message is not None:
                 with self.refusing(topic):

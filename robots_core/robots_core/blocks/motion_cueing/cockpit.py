@@ -31,7 +31,15 @@ class Cockpit:
         self._cueing = MotionCueing(cabin.washout, cabin.envelope, dt)
         self._vehicle = DrivenVehicle(cabin.vehicle, dt)
         self._longest = round(cabin.washout.timeout / dt)
+        self.handed_over = False
+        """The cabin is moved."""
         self.reset()
+
+    def hand_over(self, *, handed_over: bool) -> None:
+        """The cabin is moved from now on, or not any more: then it starts again in its middle."""
+        if self.handed_over and not handed_over:
+            self.reset()
+        self.handed_over = handed_over
 
     def reset(self) -> None:
         """Start again with a cabin that stands in its middle, and a car that stands."""
