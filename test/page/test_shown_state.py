@@ -135,6 +135,20 @@ def test_the_3d_view_has_the_theme_of_the_page(page: Page, operator: PendantOper
     page.reload()
 
 
+def test_a_value_that_is_typed_stays_while_another_input_is_forced(
+    page: Page, operator: PendantOperator
+) -> None:
+    page.get_by_role('tab', name='I/O').click()
+    page.get_by_role('button', name='analog_input.1', exact=True).click()
+    entry = page.locator('.q-menu .entry input')
+    entry.fill('12.5')
+    forced = replace(operator.state.io, forced=frozenset({'digital_input.3'}))
+    operator.state = replace(operator.state, io=forced)
+    page.locator('.io-panel .channel .forced:visible').wait_for()
+    assert entry.input_value() == '12.5'
+    page.keyboard.press('Escape')
+
+
 def test_forced_inputs_and_the_plc_cannot_be_overlooked(page: Page, operator: PendantOperator) -> None:
     page.get_by_role('tab', name='Program').click()
     forced = replace(operator.state.io, forced=frozenset({'digital_input.3', 'digital_input.60'}))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
 from nicegui import ui
 
-from robots_controller.io.io_image import Channel
+from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.page.elements import Changes, icon_button, mark, show_text
 from robots_controller.pendant.page.viewer import Part, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
@@ -72,6 +72,11 @@ class PlcLine(Part):
             yield self.text('plc.pending', time=left, what=what, line=line)
 
 
+def _shown(found: list[Channel], forced: Collection[str]) -> list[Channel]:
+    """The first channels of those found, and the forced ones."""
+    return found[:MOST_ROWS] + [channel for channel in found[MOST_ROWS:] if channel.name in forced]
+
+
 def _inputs(values: Mapping[str, float], io: ShownIo) -> str:
     return ', '.join(f'{io.label(name)} = {value:g}' for name, value in values.items())
 
@@ -83,7 +88,8 @@ class IoPanel(Part):
         super().__init__(viewer)
         text = viewer.texts
         self._rows: list[_Row] = []
-        self._changed = Changes()
+        self._found: dict[str, list[Channel]] = {}
+        self._searched, self._changed = Changes(), Changes()
         with ui.element('div').classes('panel io-panel'):
             self._search = (
                 ui.input(text('io.search')).props('dense outlined clearable debounce=200').classes('search')
@@ -99,8 +105,12 @@ class IoPanel(Part):
         self._plc.refresh(state)
         sizes = {key: len(one) for key, one in io.values.items()}
         part = str(self._search.value or '')
-        if self._changed(part, io.labels, sizes, io.forced):
-            self._build(io, part)
+        if self._searched(part, io.labels, sizes):
+            self._found = {image: io.found(image, part) for image in IMAGES}
+        shown = {image: _shown(found, io.forced) for image, found in self._found.items()}
+        # Nothing is built anew while it shows the same channels: a person may have opened a menu.
+        if self._changed(shown, self._found):
+            self._build(shown)
         for row in self._rows:
             channel = row.channel
             row.show(io.values[channel.image][channel.index - 1], forced=channel.name in io.forced)
@@ -108,7 +118,7 @@ class IoPanel(Part):
         show_text(self._hint, reason)
         mark(self._columns, 'blocked', on=bool(reason))
 
-    def _build(self, io: ShownIo, part: str) -> None:
+    def _build(self, shown: Mapping[str, list[Channel]]) -> None:
         self._rows = []
         self._columns.clear()
         with self._columns:
@@ -116,16 +126,14 @@ class IoPanel(Part):
                 with ui.element('div').classes('column'):
                     ui.label(self.text(f'io.{direction}s')).classes('caption')
                     for kind in ('digital', 'analog'):
-                        self._build_image(io, f'{kind}_{direction}s', part)
+                        self._build_image(kind, shown[f'{kind}_{direction}s'], f'{kind}_{direction}s')
 
-    def _build_image(self, io: ShownIo, image: str, part: str) -> None:
-        found = io.found(image, part)
-        ui.label(self.text(f'io.{image.partition("_")[0]}')).classes('subtitle')
-        more = [channel for channel in found[MOST_ROWS:] if channel.name in io.forced]
-        self._rows += [self._build_row(channel) for channel in [*found[:MOST_ROWS], *more]]
-        if not found:
+    def _build_image(self, kind: str, shown: list[Channel], image: str) -> None:
+        ui.label(self.text(f'io.{kind}')).classes('subtitle')
+        self._rows += [self._build_row(channel) for channel in shown]
+        if not shown:
             ui.label(self.text('io.none')).classes('hint')
-        if (hidden := len(found) - MOST_ROWS - len(more)) > 0:
+        if (hidden := len(self._found[image]) - len(shown)) > 0:
             ui.label(self.text('io.more', count=hidden)).classes('hint')
 
     def _build_row(self, channel: Channel) -> _Row:
