@@ -15,7 +15,6 @@ from robots_core.message_builder import NONE
 from robots_core.nodes.driver_action import DriverAction
 from robots_core.nodes.shared_parameters import realtime_priority_parameter
 from robots_core.periodic.realtime import processor_share
-from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import BUILD, NANOSECONDS
 from robots_core.ros.peers.heartbeat import watchdog_parameter
 from robots_core.ros.qos import SENSOR, STREAM, make_publisher, subscribe_any, subscribe_any_state
@@ -35,8 +34,6 @@ class HardwareNode(RobotNode):
     driver are passed on where their topic is another one; its speed scaling and its stops are passed on as
     `speed_scaling` and `robot_running`.
     """
-
-    phase = Phase.DRIVES
 
     def __init__(self, **options: Any) -> None:
         super().__init__('hardware_node', **options)
