@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from importlib.metadata import entry_points
 from itertools import chain
 from pathlib import Path
 from typing import Final
@@ -24,6 +25,9 @@ INSTALL_AND_BUILD: Final = {
     *('mkdir', 'cp', 'mv', 'sed'),
 }
 SHELL_OF_ROS: Final = {'ros2', 'source', 'export'}
+EXECUTABLES: Final = {
+    point.name for point in entry_points(group='console_scripts') if point.value.startswith('robots_')
+}
 THE_READERS: Final = (
     '/path/to',
     'my_drive',
@@ -100,7 +104,6 @@ def test_every_command_of_a_page_is_one_that_is_run_or_known() -> None:
     for page in PAGES:
         for line in lines(page):
             words = words_of(line)
-            known = {*COMMANDS, *INSTALL_AND_BUILD, *SHELL_OF_ROS}
-            node = words[0].startswith('install/')
-            assert words[0] in known or '=' in words[0] or node, f'{page.name}: {line}'
+            known = {*COMMANDS, *EXECUTABLES, *INSTALL_AND_BUILD, *SHELL_OF_ROS}
+            assert words[0] in known or '=' in words[0], f'{page.name}: {line}'
             assert words[0] not in BELOW_ROBOTS or line.startswith('robots '), f'{page.name}: {line}'
