@@ -191,7 +191,7 @@ function setPlanner(joint, cartesian) end
 ---@param configuration? "front/up/no_flip"|"front/up/flip"|"front/down/no_flip"|"front/down/flip"|"back/up/no_flip"|"back/up/flip"|"back/down/no_flip"|"back/down/flip" as 'front/up/no_flip'
 function setConfiguration(configuration) end
 
----Switches jerk limits on or off for Cartesian motions and blended chains.
+---Switches jerk limits on or off for Cartesian motions, blended chains and motions with `avoid`.
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
 

@@ -40,7 +40,7 @@ class MotionSettings:
         cartesian_acceleration: Highest acceleration of the tool along its path, m/s^2.
         rotation_speed: Highest angular speed of the tool, rad/s.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
-        jerk_limited: Keep the axes' jerk limits on Cartesian motions and in blended chains too.
+        jerk_limited: Keep the axes' jerk limits on Cartesian motions, in blended chains and with `avoid` too.
         joint_planner: Planner of joint motions: 'linear_joint' (all axes start and stop together) or
             'linear_joint_axes' (every axis as fast as it can), or another that is installed.
         cartesian_planner: Planner of Cartesian motions: 'limited' (velocity and acceleration),
@@ -52,7 +52,7 @@ class MotionSettings:
         on_blocked: What becomes of a motion that goes around obstacles if one comes into
             its path and stops it: 'stop' ends it, 'replan' leads it around from where the robot stands.
         most_replans: How often one motion may go on so, 1 to 100.
-        configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
+        configuration: In which joint motions reach a pose, as 'front/up/no_flip'; '' for the nearest.
         hold: What motions to poses hold: 'pose', 'directions' (the position, and of the orientation what the
             arm can) or 'position'; '' for what the arm can.
         tool: Tool centre point in tool0: x, y, z (m) and quaternion x, y, z, w.
@@ -209,14 +209,14 @@ DESCRIPTIONS: Final = {
     'cartesian_acceleration': 'highest acceleration of the tool, m/s^2',
     'rotation_speed': 'highest angular speed of the tool, rad/s',
     'rotation_acceleration': 'highest angular acceleration of the tool, rad/s^2',
-    'jerk_limited': 'keep jerk limits on Cartesian motions and in blended chains too',
+    'jerk_limited': 'keep jerk limits on Cartesian motions, in blended chains and with avoid too',
     'joint_planner': 'planner of joint motions: the name of an installed one',
     'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
     'avoid': 'joint motions go around obstacles',
     'avoid_budget': 'longest search for a path around obstacles, s at 25 000 postures per second',
     'on_blocked': "what an obstacle in the path does to a motion with avoid: 'stop', or 'replan' around it",
     'most_replans': 'how often one motion may be replanned',
-    'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
+    'configuration': "configuration of joint motions to a pose, as 'front/up/no_flip'; '' for the nearest",
     'hold': "what of poses is held: 'pose', 'directions' or 'position'; '' for what the arm can",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',
     'base': "frame of poses in the robot's base: x y z (m), quaternion x y z w",

@@ -59,7 +59,7 @@ class PendantNode(RobotNode):
         connection_timeout = self.parameter(
             'connection_timeout',
             4.0,
-            'silence of a browser after which it has no control any more, s; longer for networks that pause',
+            'silence of a browser after which its connection is lost, s; longer for networks that pause',
             bounds=(2.0, 60.0),
         )
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')

@@ -126,7 +126,7 @@ class Settings(Family):
 
     @lua_function(SWITCH)
     def setJerkLimited(self, value: float) -> None:
-        """Switches jerk limits on or off for Cartesian motions and blended chains."""
+        """Switches jerk limits on or off for Cartesian motions, blended chains and motions with `avoid`."""
         self._run.change(jerk_limited=bool(value))
 
     @lua_function(
