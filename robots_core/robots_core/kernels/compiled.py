@@ -33,7 +33,7 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
         chosen = [list(signatures)] if signatures else []
         # Said in both cases: a function takes over options that are not set from the one that calls it first.
         options = {'nogil': nogil, '_nrt': counted, 'no_cfunc_wrapper': True}
-        keep_by_content(function, **options if not counted else {'nogil': nogil})
+        keep_by_content(function, **options)
         try:
             with garbage_kept():
                 result = nb.njit(*chosen, cache=True, **options)(function)

@@ -2,13 +2,16 @@
 
 Numba keeps compiled code as long as the file of its function has the same time and size: code made of
 functions of other files becomes stale, and any edit of a file compiles all of it again. Here the key is a
-digest of the function's bytecode, of the constants that it uses, and of the compiled functions that it calls.
+digest of the function's bytecode, of its options and the types of its arguments, of the constants that it
+uses, and of the compiled functions that it calls.
 """
 
 import hashlib
+import sys
 import types
 from collections.abc import Callable, Iterator
-from typing import Any, Self
+from functools import cache
+from typing import Any, ForwardRef, Self, get_args
 
 import numpy as np
 
@@ -25,15 +28,19 @@ _PLACES = (caching.UserProvidedCacheLocator, caching.InTreeCacheLocator, caching
 class KernelContent:
     """What the machine code of a function is made of: the stamp that Numba compares with that of kept code.
 
-    Found when it is first compared: then the functions that this one calls are defined, even those below it.
+    What the function uses is found when it is first compared: then the functions that it calls are defined,
+    even those below it.
+
+    Raises:
+        TypeError: the type of an argument is not known when the function is defined.
     """
 
     def __init__(self, function: Callable[..., Any], **options: object) -> None:
         # Kept code names the modules of its functions and the types of their arguments, and cannot be read
         # without them.
-        types_of = {name: str(annotation) for name, annotation in function.__annotations__.items()}
         place = function.__module__, function.__qualname__
-        self.own = _digest(place, types_of, sorted(options.items()), *_code(function))
+        annotated = _annotated(function, function.__globals__)
+        self.own = _digest(place, annotated, sorted(options.items()), *_code(function))
         self._function = function
         self._whole = ''
 
@@ -45,7 +52,6 @@ class KernelContent:
             TypeError: the function uses a value whose content is not known.
         """
         if not self._whole:
-            self._whole = self.own  # where a function calls itself
             self._whole = _digest(self.own, *_used(self._function))
         return self._whole
 
@@ -104,6 +110,38 @@ def _digest(*parts: object) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
+def _annotated(annotated: Any, names: dict[str, Any]) -> list[object]:
+    """The types in the annotations of a function or a class, which may be written as text of these names."""
+    annotations = getattr(annotated, '__annotations__', {})
+    return [(name, _type(_evaluated(one, names))) for name, one in annotations.items()]
+
+
+def _evaluated(annotation: Any, names: dict[str, Any]) -> Any:
+    text = getattr(annotation, '__forward_arg__', annotation)
+    if not isinstance(text, str):
+        return annotation
+    try:
+        return eval(text, names)  # noqa: S307  # a part of the source
+    except (NameError, AttributeError) as error:
+        raise TypeError(
+            f'the annotation {text!r} is not known: {error}; compiled functions take types that are defined '
+            f'above them or imported, and not for type checkers alone'
+        ) from error
+
+
+@cache
+def _type(annotation: Any) -> tuple[object, ...]:
+    """With the fields of named tuples: compiled code reads them by place, and Numba compares types alone."""
+    if isinstance(annotation, str | ForwardRef):
+        raise TypeError(
+            f'{annotation!r} is text within an annotation; all of an annotation is text, or nothing'
+        )
+    if isinstance(annotation, type) and issubclass(annotation, tuple):
+        fields = [_annotated(base, vars(sys.modules[base.__module__])) for base in annotation.__mro__]
+        return annotation.__module__, annotation.__qualname__, getattr(annotation, '_fields', ()), fields
+    return str(annotation), [_type(part) for part in get_args(annotation)]
+
+
 def _code(function: Any) -> Iterator[object]:
     for code in _codes(function.__code__):
         yield code.co_code, code.co_names, code.co_varnames
@@ -124,7 +162,9 @@ def _used(function: Any) -> Iterator[object]:
     for code in _codes(function.__code__):
         used |= {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
     for name, value in sorted(used.items()):
-        yield name, _value(name, value)
+        if getattr(value, 'py_func', None) is not function:  # it may call itself
+            yield name, _value(name, value)
+    yield [_value('a default value', value) for value in function.__defaults__ or ()]
 
 
 def _value(name: str, value: object) -> object:
@@ -134,11 +174,11 @@ def _value(name: str, value: object) -> object:
     if isinstance(value, Dispatcher):
         content = _CONTENTS[value.py_func].whole
     elif isinstance(value, np.ndarray):
-        content = value.dtype.str, value.shape, value.tobytes()
+        content = repr(value.dtype), value.shape, value.tobytes()
     elif isinstance(value, tuple):
-        content = [_value(name, item) for item in value]
+        content = [_type(type(value)), *(_value(name, item) for item in value)]
     elif isinstance(value, type) and issubclass(value, tuple):
-        content = value.__module__, value.__qualname__, getattr(value, '_fields', ())
+        content = _type(value)
     elif home.partition('.')[0] in LIBRARIES:
         content = home if is_module else (home, getattr(value, '__qualname__', repr(value)))
     elif not isinstance(value, int | float | str | None):
