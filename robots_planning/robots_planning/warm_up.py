@@ -35,6 +35,7 @@ from robots_planning.free_paths.free_path_search import FreePathSearch
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.timing.tool_limits import tool_derivatives, travel
 from robots_planning.trajectory_generators.collision_free_joint import CollisionFreeJoint
 from robots_planning.trajectory_generators.curves_cartesian import SplineCartesian
@@ -115,6 +116,7 @@ def following_and_collision_checks() -> None:
     AxisFollowing(robot.axes_data, PERIOD).step(home, 0.0 * home, home, 0.0 * home, 1.0)
     collision = CollisionDetection(robot, scene=Scene((SceneObject('ball', Sphere(0.1), Pose.identity()),)))
     collision.distance(home)
+    collision.distances(home, STEP)
     path = JointPath.straight(home, home + STEP)
     collision.first_approach(path)
     collision.closest_approach(path)
@@ -140,10 +142,11 @@ def analytic_inverse_kinematics() -> None:
 
 
 def joint_motions() -> None:
-    """From rest and out of motions."""
+    """From rest and out of motions, and the speeds at which they can be followed."""
     robot, start = _robot(), _start()
     for joint_planner in (LinearJoint, LinearJointAxes):
-        joint_planner(robot).generate(start, robot.home)
+        trajectory = joint_planner(robot).generate(start, robot.home)
+        PathSpeedCap.free(trajectory, robot.axes_data.acceleration, PERIOD)
         slow = STEP * robot.axes_data.velocity
         joint_planner(robot).generate_moving((start, slow, 0.0 * slow), robot.home)
 

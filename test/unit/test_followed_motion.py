@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap, path_times
+from robots_planning.timing.path_speed_cap import PathSpeedCap, path_times
 
 from .two_axes import quintic, two_axes
 

@@ -12,7 +12,6 @@ from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.followed_motion import Border, FollowedMotion
 from robots_controller.control.span import Span
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.stops.faults import PERSISTENT, Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
@@ -21,6 +20,7 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.trajectory import Trajectory
 
 ControllerRequest = Literal['pause', 'resume', 'cancel']

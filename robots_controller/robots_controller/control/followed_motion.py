@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_core.blocks.zones.zone import Zone
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.validation import Array
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.trajectory import Trajectory
 
 # Two motions join where position, velocity and acceleration are the same, except for rounding in both

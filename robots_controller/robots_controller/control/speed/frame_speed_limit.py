@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap, path_times
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
+from robots_planning.timing.path_speed_cap import PathSpeedCap, path_times
 from robots_planning.trajectory import Trajectory
 
 PATH_MARGIN: Final = 0.98  # the speed may rise by the rest between two places

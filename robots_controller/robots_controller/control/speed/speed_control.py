@@ -8,10 +8,10 @@ from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.followed_motion import Border, FollowedMotion
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.streamed_reference import StreamedReference
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need

@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 
 from robots_controller.control.followed_motion import Border, FollowedMotion
-from robots_controller.control.speed.path_speed_cap import PathSpeedCap
 from robots_controller.control.zones.shared_zone import SharedZone, ZoneState
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
@@ -19,6 +18,7 @@ from robots_core.blocks.zones.zone_passages import MARGIN
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.trajectory import Trajectory
 
 CHECK_EVERY: Final = 5  # periods of a robot that moves
