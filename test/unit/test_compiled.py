@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_core.kernels.compiled import compiled, sort_in_place
+from robots_core.kernels.compiled import compiled
 from robots_core.kernels.loaded_numba import nb
 
 
@@ -59,12 +59,3 @@ def test_code_that_counts_no_references_makes_no_arrays():
 
 def test_options_of_a_caller_do_not_hold_for_the_functions_that_it_calls():
     assert last_of_doubled(np.ones(3)) == 2.0
-
-
-@pytest.mark.parametrize('dtype', [np.int64, np.float64])
-@pytest.mark.parametrize('size', [0, 1, 2, 40])
-def test_values_are_sorted_in_place(dtype: type, size: int) -> None:
-    values = np.random.default_rng(size).integers(-9, 9, size).astype(dtype)
-    expected = np.sort(values)
-    sort_in_place(values)
-    np.testing.assert_array_equal(values, expected)

@@ -4,8 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
-from numpy.typing import NDArray
-
 from robots_core.garbage import garbage_kept
 from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
 from robots_core.kernels.loaded_numba import nb
@@ -32,7 +30,7 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
         # Said in both cases: a function takes over options that are not set from the one that calls it first.
-        options = {'nogil': nogil, '_nrt': counted, 'no_cfunc_wrapper': True}
+        options = {'nogil': nogil, '_nrt': counted}
         keep_by_content(function, **options)
         try:
             with garbage_kept():
@@ -49,26 +47,16 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
 
 
 def _by_types_alone(find: Callable[..., Any], given: Sequence[Any], named: Mapping[str, Any]) -> Any:
-    """How a function is called from compiled code: without this it is compiled for each constant argument."""
+    """How a function is called from compiled code."""
+    # Numba's own way compiles it for each constant argument, which takes 7 to 10 % more time of `make build`.
     types = nb.types
     return find(
         [types.unliteral(one) for one in given], {name: types.unliteral(one) for name, one in named.items()}
     )
 
 
-# Its signatures load it here, and with it all that Numba loads with a first function, while no garbage is
-# collected.
-@compiled('void(int64[:])', 'void(float64[:])')
-def sort_in_place(values: NDArray[Any]) -> None:
-    """Sort a few values, (m,), by insertion.
-
-    np.sort is not used: Numba names the internal functions of np.sort and np.argsort by a counter that
-    restarts in every process, so that their cached code may be confused.
-    """
-    for i in range(1, values.size):
-        value = values[i]
-        k = i
-        while k > 0 and values[k - 1] > value:
-            values[k] = values[k - 1]
-            k -= 1
-        values[k] = value
+# Its signature lets Numba load here what it loads with a first function, while no garbage is collected.
+@compiled('float64(float64)')
+def first_function(value: float) -> float:
+    """The value itself."""
+    return value
