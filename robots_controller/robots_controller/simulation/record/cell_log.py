@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -44,8 +44,6 @@ from robots_core.validation import Array
 from robots_planning.commands.motion_plan import MotionPlan
 from robots_planning.motion_settings import MotionSettings, settings_status
 from robots_planning.robot_command_state import RobotCommandState
-
-LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 
 
 class MotionRecords:
@@ -181,8 +179,6 @@ class CellLog(ProgramObserver):
 
     def printed(self, text: str, line: int) -> None:
         """See `ProgramObserver`."""
-        if len(text) > LONGEST_TEXT:
-            text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
         self.events.append(TextPrinted(self._clock.elapsed, line, text))
         if self._bag is not None:
             self._write('/rosout', ros.log(self._clock.stamp, 'lua_program_node.print', text))
