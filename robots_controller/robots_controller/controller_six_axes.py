@@ -13,7 +13,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState
-from robots_controller.simulation.cell_parts import COLLISION_MARGIN, CellSetup, cell_parts
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.simulation_run import SimulatedMotion
@@ -22,6 +22,7 @@ from robots_core.errors import InvalidInputError, NotNowError, ProgramError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
 from robots_planning.motion_settings import NOTHING
+from robots_planning.pathplanning import COLLISION_MARGIN
 from robots_planning.robot_command_state import RobotCommandState
 
 

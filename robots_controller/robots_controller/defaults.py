@@ -2,8 +2,6 @@
 
 from typing import Final
 
-RATE: Final = 250.0
-"""References per second, Hz."""
 LONGEST_TIME: Final = 3600.0
 """Of a simulation, s of simulated time."""
 LONGEST_WALK: Final = 600.0

@@ -8,15 +8,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from robots_controller.defaults import LONGEST_TIME, RATE
-from robots_controller.simulation.cell_parts import COLLISION_MARGIN, CellSetup, cell_parts
+from robots_controller.defaults import LONGEST_TIME
+from robots_controller.simulation.cell_parts import CellSetup, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.defaults import RATE
 from robots_core.errors import InvalidInputError
 from robots_core.validation import positive
 from robots_planning.motion_settings import NOTHING
+from robots_planning.pathplanning import COLLISION_MARGIN
 
 
 def simulate(

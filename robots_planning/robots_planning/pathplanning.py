@@ -4,6 +4,7 @@ import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +33,8 @@ from robots_planning.verification.limit_use import ToolSection
 from robots_planning.verification.payload_weight import check_weight
 from robots_planning.verification.trajectory_verification import VerificationReport, verify
 
+COLLISION_MARGIN: Final = 0.005
+"""Distance that motions keep by default, live and simulated, m."""
 WARM_UP_STEP = 0.01  # rad, m
 MOST_GENERATORS = 16  # kept for the settings that were used last
 
@@ -267,7 +270,7 @@ class PathPlanning:
         )
 
     def warm_up(self) -> None:
-        """Plan a tiny motion of every kind, so that the first real one finds all code loaded."""
+        """Plan two tiny joint motions and a line, so that the first real ones find their code loaded."""
         home = self.robot.home
         axes = self.robot.axes_data
         near = home + np.where(home + WARM_UP_STEP < axes.upper, WARM_UP_STEP, -WARM_UP_STEP)

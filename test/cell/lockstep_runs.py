@@ -11,9 +11,9 @@ from pathlib import Path
 from rich.console import Console
 
 from cell_options import parse_options
-from robots_controller.defaults import RATE
 from robots_controller.live_cell.cell_command import run_cell
 from robots_core.blocks.drives.drive_choice import DRIVE_LEVELS
+from robots_core.defaults import RATE
 from short_programs import SHORTENED, SHORTEST, short_copy
 
 WIDTH = 120

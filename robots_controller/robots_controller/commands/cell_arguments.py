@@ -4,10 +4,11 @@ import argparse
 from typing import Final
 
 from robots_controller.commands import value_kinds as kinds
-from robots_controller.defaults import LONGEST_TIME, RATE
+from robots_controller.defaults import LONGEST_TIME
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.defaults import RATE
 from robots_core.periodic.watchdog import WATCHDOG
 from robots_core.plugins import ROBOT_MODELS, installed_plugins
 from robots_core.wording.safety_note import NOT_CERTIFIED

@@ -11,7 +11,6 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.zones.zone_guard import ZoneGuard
-from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import CellIo, read_cell_io
 from robots_controller.io.stopping_inputs import (
     Closing,
@@ -25,13 +24,12 @@ from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
 from robots_core.cell_interface.operating_modes import OperatingMode
+from robots_core.defaults import RATE
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
 from robots_planning.motion_settings import NOTHING
-from robots_planning.pathplanning import PathPlanning
-
-COLLISION_MARGIN = 0.005  # m; as planning_node
+from robots_planning.pathplanning import COLLISION_MARGIN, PathPlanning
 
 
 @dataclass(frozen=True, kw_only=True)

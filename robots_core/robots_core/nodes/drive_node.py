@@ -20,6 +20,7 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
+from robots_core.defaults import RATE
 from robots_core.nodes.shared_parameters import (
     carry_payload,
     payload_from_parameters,
@@ -99,7 +100,7 @@ class DriveNode(ManagedNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
-        rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0))
+        rate = self.parameter('rate', RATE, 'steps per second, Hz', bounds=(10.0, 2000.0))
         priority = realtime_priority_parameter(self)
         self._resting = resting_rate_parameter(self, 'joint_states', rate)
         level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)

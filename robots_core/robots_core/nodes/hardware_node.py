@@ -11,6 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_core.blocks.drives.driver_drives import DriverDrives, DriverStop, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.cell_interface.driver_file import Driver, read_driver
+from robots_core.defaults import RATE
 from robots_core.message_builder import NONE
 from robots_core.nodes.driver_action import DriverAction
 from robots_core.nodes.shared_parameters import realtime_priority_parameter
@@ -37,7 +38,7 @@ class HardwareNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('hardware_node', **options)
-        rate = self.parameter('rate', 250.0, 'trajectories per second, Hz', bounds=(10.0, 1000.0))
+        rate = self.parameter('rate', RATE, 'trajectories per second, Hz', bounds=(10.0, 1000.0))
         priority = realtime_priority_parameter(self)
         self._driver: Driver = self.parameter(
             'driver', '', "topics of the robot's driver (YAML)", read=_driver

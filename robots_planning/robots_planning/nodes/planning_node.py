@@ -55,11 +55,10 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_messages import target_of, trajectory_message
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
-from robots_planning.pathplanning import PathPlanning
+from robots_planning.pathplanning import COLLISION_MARGIN, PathPlanning
 from robots_planning.trajectory import Trajectory
 
 CHECK_PERIOD = 0.1  # s between checks for a first reference
-COLLISION_MARGIN = 0.005  # m
 NEW_COMMAND = ('queue', 'replace')
 
 

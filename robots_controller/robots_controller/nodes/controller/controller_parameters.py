@@ -4,6 +4,7 @@ from typing import Final
 
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.runtime_folder import first_time
+from robots_core.defaults import RATE
 from robots_core.errors import RobotsError
 from robots_core.ros.robot_node import RobotNode
 
@@ -25,7 +26,7 @@ def settings_by_parameters(node: RobotNode) -> ControllerSettings:
     Raises:
         InvalidInputError: one is out of its range.
     """
-    rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0))
+    rate = node.parameter('rate', RATE, 'references per second, Hz', bounds=(10.0, 2000.0))
     default = ControllerSettings()
     values = {
         name: node.parameter(name, getattr(default, name), text, bounds=bounds)
