@@ -10,6 +10,7 @@ import pytest
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, JointPath, Scene, SceneObject
 from robots_core.blocks.collision.collision_guard import CollisionGuard
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.shapes import Sphere
 from robots_core.status import Level
@@ -73,7 +74,9 @@ def test_a_place_on_the_path_stops_the_robot_once_when_it_is_near(guard: Collisi
     guard.progress((danger.time - 0.8) / 10.0)
     assert stops.reasons == [danger.describe()]
     assert guard.stopping
-    assert guard.ended('a')
+    assert not guard.ended(MotionResult('a', ok=False, message='', blocked=True))  # may go around
+    assert guard.stopping
+    assert guard.ended(MotionResult('a', ok=False, message=''))
     assert not guard.stopping
 
 
@@ -91,7 +94,7 @@ def test_a_motion_that_waits_is_at_its_start(guard: CollisionGuard, stops: Stops
     guard.planned('a', move(0.0, 0.1))
     guard.planned('b', move(0.1, 1.2))
     guard.progress(1.0)
-    assert not guard.ended('a')
+    assert not guard.ended(MotionResult('a', ok=True, message='passed'))
     danger = guard.motions['b'].danger
     assert danger is not None
     assert not stops.reasons

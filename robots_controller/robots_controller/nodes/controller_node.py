@@ -243,9 +243,7 @@ class ControllerNode(ManagedNode):
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
         # Compared with the stamp of a motion that was commanded meanwhile.
-        ended = self.get_clock().now().nanoseconds / NANOSECONDS
-        details = {**result.details, 'ended': f'{ended:.9f}'}
-        self._publish_result(replace(result, details=details))
+        self._publish_result(result.ended_at(self.get_clock().now().nanoseconds / NANOSECONDS))
         if not result.ok:
             self.journal.warning(f'motion stopped: {result.message}')
 

@@ -329,9 +329,9 @@ class InProcessCell:
 
     def motion_ended(self, result: MotionResult) -> None:
         """A motion has ended, in the controller or before it reached that."""
+        if self._guard is not None:
+            self._guard.ended(result)
         if not result.blocked:
-            if self._guard is not None:
-                self._guard.ended(result.id)
             self.log.motions.ended(result, self.clock.elapsed)
         self.control.loop.ended(result)
         self._host.motions.result(result)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -99,8 +98,7 @@ class InProcessController(ControlPort, ControllerPort):
 
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
-        details = {**result.details, 'ended': f'{self._clock.now():.9f}'}
-        result = replace(result, details=details)
+        result = result.ended_at(self._clock.now())
         self._log.report('motion_result', result.status)
         self._mail.append(partial(self._cell.control_ended, result))
 

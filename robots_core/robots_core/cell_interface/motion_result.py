@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from robots_core.errors import MotionEndedError, RobotsError
@@ -23,7 +23,7 @@ class MotionResult:
         id: The command's id.
         ok: The robot stands at the target, or passed it where motions blend.
         message: 'reached', 'passed', or the reason why not.
-        details: Further facts: duration (s), progress (0..1), or the data of the error.
+        details: Further facts: duration (s), progress (0..1), ended (s), or the data of the error.
         blocked: The robot stands before an obstacle. The planner leads it around, or ends the motion with
             another result.
         code: That of the error (`docs/reference/errors.md`), where it is not at the target.
@@ -40,6 +40,10 @@ class MotionResult:
     def refused(cls, id_: str, error: RobotsError) -> MotionResult:
         """The result of a command that an error ended."""
         return cls(id_, ok=False, message=error.message, details=dict(error.details), code=error.code)
+
+    def ended_at(self, time: float) -> MotionResult:
+        """The result with its time, s, among the details."""
+        return replace(self, details={**self.details, 'ended': f'{time:.9f}'})
 
     @property
     def status(self) -> Status:

@@ -87,8 +87,7 @@ class CollisionNode(RobotNode):
         self.guard.progress(fraction(message.data, 'motion_progress'))
 
     def _on_result(self, message: DiagnosticStatus) -> None:
-        result = motion_result_from_message(message)
-        if not result.blocked and self.guard.ended(result.id):
+        if self.guard.ended(motion_result_from_message(message)):
             self._clear()
 
     # -- what goes out -------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.blocks.collision.results import PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.status import Level, Status
 from robots_core.validation import Array
@@ -142,9 +143,9 @@ class CollisionGuard:
         self._progress = progress
         self._stop_before_dangers()
 
-    def ended(self, id_: str) -> bool:
-        """Take the end of a motion; True if it was the last one."""
-        if self.motions.pop(id_, None) is None:
+    def ended(self, result: MotionResult) -> bool:
+        """Take the end of a motion, unless it may go around an obstacle; True if it was the last one."""
+        if result.blocked or self.motions.pop(result.id, None) is None:
             return False
         self._progress = 0.0
         return not self.motions
