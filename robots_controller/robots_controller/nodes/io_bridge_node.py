@@ -132,7 +132,7 @@ class IoBridgeNode(RobotNode):
         """Leave the PLC with fail-safe values."""
         if self.context.ok():
             self.bridge.make_safe(self._outputs, self.now())
-            end = time.monotonic() + FINISH_TIMEOUT
+            end = time.monotonic() + FINISH_TIMEOUT  # simulated time may stand when a node ends
             for port in self._ports.values():
                 port.finish(end)
         for port in self._ports.values():

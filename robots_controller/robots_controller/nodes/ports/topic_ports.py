@@ -93,7 +93,7 @@ class OutputTopic(_Topic):
         self._publish()
 
     def finish(self, end: float) -> None:
-        """Wait until all subscribers have what was sent."""
+        """See `IoPort.finish`: wait until all subscribers have what was sent."""
         self._publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
 
     def _on_matched(self, change: Any) -> None:

@@ -1,7 +1,6 @@
 """ControllerClient: a program's requests to controller_node, and what that reports of the robot."""
 
 import threading
-import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -19,7 +18,7 @@ from robots_core.ros.robot_node import RobotNode
 
 MISSING_SHOWN = 5.0  # s
 ANSWER_TIME = 2.0  # s
-POLL = 0.01  # s
+POLL = 0.01  # s: ROS reports no service that appears
 
 
 class ControllerClient:
@@ -35,7 +34,6 @@ class ControllerClient:
         self._override = make_publisher(node, Float64, 'override')
         self._taken = self._asked = False
         self._answered = threading.Event()
-        self._answered.set()
 
     @property
     def works(self) -> bool:
@@ -76,9 +74,9 @@ class ControllerClient:
     def command(self, *, taken: bool) -> None:
         """See `ControllerPort`; a controller that comes later is asked then."""
         self._taken = taken
+        answered = self._answered = threading.Event()
         self._asked = is_served(self._node, self._commander)
         if self._asked:
-            answered = self._answered = threading.Event()
             future = self._commander.call_async(SetBool.Request(data=taken))
             future.add_done_callback(partial(self._on_answer, answered))
 
@@ -86,13 +84,12 @@ class ControllerClient:
         """See `ControllerPort`; in simulated time the answer comes before a motion is planned."""
         if self._node.simulated_time:
             return
-        deadline = time.monotonic() + ANSWER_TIME
-        # Planner and controller may have found each other before this node has found the controller.
-        while not self._asked and time.monotonic() < deadline:
-            time.sleep(POLL)
-            self.command(taken=True)
-        self._asked = True  # none is there: the next motion does not wait again
-        self._answered.wait(deadline - time.monotonic())
+        deadline = self._node.now() + ANSWER_TIME
+        while not self._answered.wait(POLL) and self._node.now() < deadline:
+            # Planner and controller may have found each other before this node has found the controller.
+            if not self._asked:
+                self.command(taken=True)
+        self._answered.set()  # where none answers, the next motion does not wait again
 
     def set_override(self, value: float) -> None:
         """See `ControllerPort`."""

@@ -86,6 +86,7 @@ class PathSwitchingMessages:
         if self._switching.next_time < math.inf and not self._node.simulated_time:
             if self._timer is not None:
                 self._timer.cancel()
+            # In a thread of its own: a timer of the node waits until the executor has ended other callbacks.
             self._timer = threading.Timer(max(0.0, self._switching.next_time - now), self._switch)
             self._timer.daemon = True
             self._timer.start()
