@@ -18,7 +18,7 @@ ARGUMENTS = {
     'robot': ('', "the robot's name"),
     'program': ('', 'Lua robot program to run'),
     'scene': ('', 'scene to keep clear of (YAML)'),
-    'drive': ('second_order', 'ideal, second_order or rigid_body'),
+    'drive': ('second_order', 'level of detail of the simulated drives: `cell --help` lists them'),
     'driver': ('', 'driver of a real robot, in the place of simulated drives (YAML)'),
     'guided': ('', 'inverse kinematics that follows reference_pose'),
     'watchdog': ('0.2', 'longest time without a sign of life, s; no certified safety function'),

@@ -15,6 +15,7 @@ from std_msgs.msg import Bool, Float64MultiArray, String, UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
+from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.supervised_drives import DriveState
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
@@ -130,7 +131,7 @@ def test_every_level_comes_to_its_reference(ros_nodes: Any, level: str):
     state = bench.until_at(target)
     assert list(state.name) == NAMES
     assert len(state.velocity) == 6
-    if level == 'rigid_body':
+    if drive_train(level, ROBOT, HOME, period=0.01).torque is not None:
         expected = NumericalDynamics(ROBOT).bias_torques(target, np.zeros(6))
         bench.wait(
             lambda: np.allclose(bench.states[-1].effort, expected, rtol=1e-2, atol=1.0),

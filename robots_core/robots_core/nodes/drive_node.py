@@ -16,6 +16,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.drives.drive_choice import check_level, drive_train
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
@@ -103,7 +104,7 @@ class DriveNode(ManagedNode):
         rate = self.parameter('rate', RATE, 'steps per second, Hz', bounds=(10.0, 2000.0))
         priority = realtime_priority_parameter(self)
         self._resting = resting_rate_parameter(self, 'joint_states', rate)
-        level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
+        level = self.parameter('level', 'second_order', f'one of {", ".join(DRIVE_LEVELS)}', read=check_level)
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
@@ -151,9 +152,8 @@ class DriveNode(ManagedNode):
             timeout=np.inf if lasting or watchdog == 0.0 else watchdog,
             **({} if self.simulated_time else {'processor_share': processor_share}),
         )
-        # Only drives with masses feel what presses on the tool.
-        masses = level == 'rigid_body'
-        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench') if masses else None
+        pushed = self._drives.can_be_pushed
+        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench') if pushed else None
         self._powered = True
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous

@@ -31,6 +31,8 @@ class DriveTrain(ABC):
     """What moves with the drives of a robot in orbit; None for a robot that stands."""
     led_by_reference_alone: bool = False
     """Nothing but the reference moves the axes: where a step changes nothing, no further one does."""
+    can_be_pushed: bool = False
+    """What presses on the robot moves the axes, see `push`."""
 
     @property
     def torque(self) -> Array | None:
@@ -78,7 +80,7 @@ class DriveTrain(ABC):
     def push(self, torque: Array) -> None:  # noqa: B027
         """Torques on the joints from outside of the robot from now on, (n,), N m (N).
 
-        They count in drives with masses: J^T f of a wrench f on the tool.
+        They count in drives that can be pushed: J^T f of a wrench f on the tool.
 
         Raises:
             InvalidInputError: another shape, or NaN or infinity.

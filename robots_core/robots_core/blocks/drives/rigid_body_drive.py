@@ -56,6 +56,8 @@ class RigidBodyDrive(DriveTrain):
             those of its bodies.
     """
 
+    can_be_pushed = True
+
     def __init__(
         self,
         robot: BaseRobotModel,
