@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
+from robots_controller.live_cell import describe_nodes
 from robots_controller.live_cell.node_types import node_scripts
 from robots_core.ros.running.node_help import TABLE
 
@@ -35,6 +36,10 @@ def test_the_diagnostics_of_each_node_are_in_one_group(namespace: str) -> None:
     assert sorted(part for parts in analyzers().values() for part in parts) == sorted(
         f'/{one}' for one in names
     )
+
+
+def test_the_groups_are_those_of_the_nodes() -> None:
+    assert (CONFIG / describe_nodes.AGGREGATOR.name).read_text() == describe_nodes.aggregator_text()
 
 
 def parameters_of_nodes() -> dict[str, set[str]]:

@@ -136,20 +136,23 @@ def test_the_lua_functions_are_those_of_the_interpreter() -> None:
 
 @pytest.mark.parametrize('name', describe_nodes.PAGES)
 def test_rows_of_the_reference_are_those_that_the_command_writes(name: str) -> None:
-    page = (DOCS / 'reference' / name).read_text()
+    page = (DOCS / name).read_text()
     assert describe_nodes.PAGES[name](page) == page
 
 
 def test_rows_of_the_reference_are_renewed_in_their_places(tmp_path: Path) -> None:
     for name in describe_nodes.PAGES:
-        page = (DOCS / 'reference' / name).read_text()
-        (tmp_path / name).write_text(re.sub(r'line|Cartesian', 'x', page))
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(
+            re.sub(r'line|Cartesian|`collision_node`', 'x', (DOCS / name).read_text())
+        )
     describe_nodes.write_pages(tmp_path)
-    renewed = (tmp_path / 'robot_programs.md').read_text()
+    renewed = (tmp_path / 'reference' / 'robot_programs.md').read_text()
     assert '| `circCartesianSpace(via, target, [options])` | Moves the tool on an arc' in renewed
     assert '| `ptpcartesian` | geometry_msgs/PoseStamped | COMMAND | anyone | command: ' in (
-        (tmp_path / 'topics.md').read_text()
+        (tmp_path / 'reference' / 'topics.md').read_text()
     )
+    assert '| `collision_node` | robots_core | ' in (tmp_path / 'reference' / 'nodes.md').read_text()
 
 
 def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:

@@ -176,6 +176,7 @@ def cell_graph(options: argparse.Namespace) -> tuple[NodeDescription, ...]:
     )
     page_port = options.port and options.port + PAGE_PORTS
     own, core = 'robots_controller', 'robots_core'
+    display = {'lockstep': None}  # takes no part, and never holds up a run
     nodes = (
         (not options.driver, node(core, 'drive_node', **drives, **watched)),
         (
@@ -186,8 +187,8 @@ def cell_graph(options: argparse.Namespace) -> tuple[NodeDescription, ...]:
         (not primitives, node('robots_planning', 'planning_node', scene=scene, payload=payload, **watched)),
         (True, program_node),
         (True, node(core, 'direct_kinematics_node', rate=min(POSE_RATE, rate))),
-        (True, node(core, 'robot_state_node')),
-        (not options.headless, node(core, 'visualizer_node', port=options.port, scene=scene)),
+        (True, node(core, 'robot_state_node', **display)),
+        (not options.headless, node(core, 'visualizer_node', port=options.port, scene=scene, **display)),
         (options.guided, node(core, 'inverse_kinematics_node', method=options.guided)),
         (
             options.references,

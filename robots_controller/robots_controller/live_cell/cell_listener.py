@@ -24,8 +24,6 @@ from robots_core.ros.timed_node import TimedNode
 # The thread that advances time waits so long at most for those that listen and record.
 SWITCH_INTERVAL = 1e-4  # s
 POLL = 0.01  # s
-# Nodes that only show what happens, and never hold up a lock-step run.
-OBSERVERS = ('robot_state_node', 'visualizer_node')
 
 
 @dataclass
@@ -52,7 +50,7 @@ class CellListener:
         sys.setswitchinterval(SWITCH_INTERVAL)
         node = Node('lockstep_coordinator', namespace=self.monitor.get_namespace())
         prefix = self.monitor.get_namespace().rstrip('/')
-        expected = [f'{prefix}/{name}' for name in nodes if name not in OBSERVERS]
+        expected = [f'{prefix}/{name}' for name in nodes]
         # Time waits for the answers to a participant.
         lockstep = Parameter('lockstep', value=True)
         operator = TimedNode(

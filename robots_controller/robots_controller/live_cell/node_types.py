@@ -1,11 +1,10 @@
 """The nodes of the suite, by the names of their executables."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib.metadata import EntryPoint, distribution
 from typing import Any, Final
 
 from robots_core.errors import InvalidInputError
-from robots_core.ros.timed_node import TimedNode
 
 PACKAGES: Final = ('robots_core', 'robots_planning', 'robots_controller')
 
@@ -18,8 +17,8 @@ def node_scripts() -> Iterator[EntryPoint]:
                 yield script
 
 
-def node_type(executable: str) -> Callable[..., TimedNode]:
-    """The class of a node.
+def node_type(executable: str) -> Any:
+    """The class of a node, a `RobotNode`.
 
     Raises:
         InvalidInputError: there is none.
@@ -27,5 +26,4 @@ def node_type(executable: str) -> Callable[..., TimedNode]:
     scripts = {script.name: script for script in node_scripts()}
     if executable not in scripts:
         raise InvalidInputError(f'unknown node {executable!r}; nodes are: {", ".join(sorted(scripts))}')
-    made: Callable[..., Any] = scripts[executable].load().args[0]  # of functools.partial(run, node type)
-    return made
+    return scripts[executable].load().args[0]  # of functools.partial(run, node type)

@@ -66,6 +66,7 @@ class ControllerNode(ManagedNode):
     mailbox that the loop empties once per period.
     """
 
+    diagnostics_group = 'motion'
     phase = Phase.CONTROL
 
     def __init__(self, **options: Any) -> None:

@@ -30,6 +30,7 @@ class ForceControlNode(RobotNode):
     `contact_status` holds at all times what must stop the robot.
     """
 
+    diagnostics_group = 'motion'
     phase = Phase.ENVIRONMENT
 
     def __init__(self, **options: Any) -> None:

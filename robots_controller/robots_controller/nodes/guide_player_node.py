@@ -21,6 +21,7 @@ class GuidePlayerNode(RobotNode):
     Their stamps are on the node's clock.
     """
 
+    diagnostics_group = 'program'
     phase = Phase.ENVIRONMENT
 
     def __init__(self, **options: Any) -> None:

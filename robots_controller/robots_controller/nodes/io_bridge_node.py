@@ -32,6 +32,7 @@ FINISH_TIMEOUT: Final = 0.5  # s, for the last values to arrive
 class IoBridgeNode(RobotNode):
     """Inputs from topics and protocols, outputs to them."""
 
+    diagnostics_group = 'plant'
     phase = Phase.ENVIRONMENT
 
     def __init__(self, **options: Any) -> None:

@@ -59,6 +59,8 @@ class LuaProgramNode(RobotNode, ProgramObserver):
     The program's text output goes to the log, from the child logger `print`.
     """
 
+    diagnostics_group = 'program'
+
     def __init__(self, **options: Any) -> None:
         super().__init__('lua_program_node', **options)
         self.parameter('program', '', "the robot program's path, read at ~/open")

@@ -23,6 +23,7 @@ class OpcuaNode(RobotNode):
     Clients can do nothing that other nodes could not do over the same services.
     """
 
+    diagnostics_group = 'plant'
     takes_part = False  # clients do not hold time
 
     def __init__(self, **options: Any) -> None:

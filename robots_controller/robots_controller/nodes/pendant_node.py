@@ -39,6 +39,7 @@ class PendantNode(RobotNode):
     The page does nothing that other nodes could not do over the same topics and services.
     """
 
+    diagnostics_group = 'program'
     takes_part = False  # a person does not hold time
     alone = True  # two would give the robot to two people
 

@@ -39,6 +39,7 @@ class PlcNode(RobotNode):
     outputs that have come since the last one, in their order.
     """
 
+    diagnostics_group = 'plant'
     phase = Phase.OBSERVE  # after the controller: in the cycle in which outputs are switched on the path
 
     def __init__(self, **options: Any) -> None:

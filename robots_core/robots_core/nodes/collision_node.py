@@ -42,6 +42,8 @@ class CollisionNode(RobotNode):
     Every `joint_trajectory` goes to a `CollisionGuard`, which checks the robot `rate` times a second.
     """
 
+    diagnostics_group = 'surroundings'
+
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
         margin = self.parameter(

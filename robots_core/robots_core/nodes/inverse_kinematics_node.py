@@ -54,6 +54,7 @@ class InverseKinematicsNode(RobotNode):
     SENSOR, or while SENSOR is the commander.
     """
 
+    diagnostics_group = 'motion'
     phase = Phase.GUIDANCE
 
     def __init__(self, **options: Any) -> None:

@@ -29,6 +29,7 @@ class MotionCueingNode(RobotNode):
     silent.
     """
 
+    diagnostics_group = 'motion'
     phase = Phase.CUEING
 
     def __init__(self, **options: Any) -> None:

@@ -30,7 +30,6 @@ class RobotStateNode(RobotNode):
     Without tf2_msgs it says so once, and publishes the description alone.
     """
 
-    takes_part = False  # a display does not hold time
     heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:

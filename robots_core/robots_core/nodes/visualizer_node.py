@@ -26,7 +26,7 @@ class VisualizerNode(RobotNode):
     Nothing is drawn while no browser shows the page.
     """
 
-    takes_part = False  # a display does not hold time
+    diagnostics_group = 'surroundings'
     heartbeat_period = SELDOM
 
     def __init__(self, **options: Any) -> None:

@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
@@ -53,6 +53,9 @@ class RobotNode(TimedNode):
     Raises:
         UnknownRobotError: the parameter names no robot.
     """
+
+    diagnostics_group: ClassVar = 'robot'
+    """Group in which `diagnostic_aggregator` shows the node."""
 
     def __init__(self, name: str, *, robot: str = 'bello_bot', **options: Any) -> None:
         super().__init__(name, **options)

@@ -68,6 +68,8 @@ class PlanningNode(RobotNode):
     Planning has its own thread. `trigger` and `finished` are those of the paper's section 3.
     """
 
+    diagnostics_group = 'motion'
+
     def __init__(self, **options: Any) -> None:
         super().__init__('planning_node', **options)
         self._declare_settings()
