@@ -177,7 +177,7 @@ def paths_at_the_limits_of_the_axes() -> None:
     ends, still = start[None], np.empty(1, dtype=np.bool_)
     stand_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, ends, still)
     stays_inside(limits, PathInverseKinematics(robot).follow(line, start).samples)
-    SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
+    SplineCartesian(robot, keeps_torque=True).generate(start, [near, pose])
 
 
 def paths_that_hold_a_position() -> None:

@@ -101,13 +101,13 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
         Picture(
             'circular_cartesian',
             'CircularCartesian, half a circle',
-            CircularCartesian(robot, planner='dynamic_programming', **FAST).generate(q, half_circle),
+            CircularCartesian(robot, keeps_torque=True, **FAST).generate(q, half_circle),
             torque,
         ),
         Picture(
             'spline_cartesian',
             'SplineCartesian through three poses',
-            SplineCartesian(robot, planner='dynamic_programming', **FAST).generate(q, poses),
+            SplineCartesian(robot, keeps_torque=True, **FAST).generate(q, poses),
             torque,
         ),
         Picture('blended_chain', 'Three lines, blended within 0.1 m', chain(robot, q, poses), torque),
@@ -115,7 +115,7 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
 
 
 def chain(robot: BaseRobotModel, q: np.ndarray, poses: list[Pose]) -> Trajectory:
-    modal = MotionSettings(blend_zone=0.1, cartesian_planner='dynamic_programming', **FAST)  # type: ignore[arg-type]
+    modal = MotionSettings(blend_zone=0.1, cartesian_keeps_torque=True, **FAST)  # type: ignore[arg-type]
     orders = tuple(QueuedCommand(str(number), LINE, pose, modal, 0.0) for number, pose in enumerate(poses))
     return MotionChain(PathPlanning(robot)).plan(CommandChain(orders), q).motion.trajectory
 

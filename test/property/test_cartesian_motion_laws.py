@@ -24,7 +24,6 @@ TOOL = Pose.from_angles([0.05, -0.03, 0.2], [0.3, -0.4, 0.2])
 offset = st.tuples(*[st.floats(-0.15, 0.15)] * 3)
 turn = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
 near_home = st.lists(st.floats(-0.3, 0.3), min_size=7, max_size=7)
-planners = st.sampled_from(['limited', 'dynamic_programming'])
 
 
 def positions(robot: BaseRobotModel, moved: list[float]) -> np.ndarray:
@@ -43,17 +42,22 @@ def poses_from(pose: Pose, offsets: list[tuple[float, ...]], turns: list[tuple[f
 
 @pytest.mark.parametrize('name', ROBOTS)
 @settings(max_examples=15)  # sampled and verified in full
-@given(start=near_home, offsets=st.tuples(offset, offset), turns=st.tuples(turn, turn), planner=planners)
+@given(
+    start=near_home,
+    offsets=st.tuples(offset, offset),
+    turns=st.tuples(turn, turn),
+    keeps_torque=st.booleans(),
+)
 def test_arcs_stay_on_their_circle_within_all_limits(
     name: str,
     start: list[float],
     offsets: tuple[tuple[float, ...], ...],
     turns: tuple[tuple[float, ...], ...],
-    planner: str,
+    keeps_torque: bool,  # noqa: FBT001  # drawn by hypothesis
 ) -> None:
     robot = _LOADED[name]
     q = positions(robot, start)
-    generator = CircularCartesian(robot, planner=planner)
+    generator = CircularCartesian(robot, keeps_torque=keeps_torque)
     begin = generator.path_kinematics.pose(q)
     via, end = poses_from(begin, list(offsets), list(turns))
     a, b = via.r - begin.r, end.r - begin.r
@@ -65,7 +69,7 @@ def test_arcs_stay_on_their_circle_within_all_limits(
     except (PlanningError, UnreachablePoseError):
         assume(False)  # the reach is not this law's business
     arc = CircularArc(begin, via, end)
-    report = verify(trajectory, robot, path=arc, torque=planner == 'dynamic_programming')
+    report = verify(trajectory, robot, path=arc, torque=keeps_torque)
     assert report.ok, report.describe()
     r = np.array([robot.direct_kinematics(p)[0] for p in trajectory.position])
     assert np.abs(np.linalg.norm(r - arc.center, axis=1) - arc.radius).max() < PATH_TOLERANCE
@@ -79,7 +83,7 @@ def test_arcs_stay_on_their_circle_within_all_limits(
     offsets=st.lists(offset, min_size=2, max_size=4),
     turns=st.lists(turn, min_size=4, max_size=4),
     jerk_limited=st.booleans(),
-    planner=planners,
+    keeps_torque=st.booleans(),
 )
 def test_splines_pass_their_poses_within_all_limits(
     name: str,
@@ -87,11 +91,11 @@ def test_splines_pass_their_poses_within_all_limits(
     offsets: list[tuple[float, ...]],
     turns: list[tuple[float, ...]],
     jerk_limited: bool,  # noqa: FBT001  # drawn by hypothesis
-    planner: str,
+    keeps_torque: bool,  # noqa: FBT001  # drawn by hypothesis
 ) -> None:
     robot = _LOADED[name]
     q = positions(robot, start)
-    generator = SplineCartesian(robot, jerk_limited=jerk_limited, planner=planner)
+    generator = SplineCartesian(robot, jerk_limited=jerk_limited, keeps_torque=keeps_torque)
     begin = generator.path_kinematics.pose(q)
     poses = poses_from(begin, offsets, turns[: len(offsets)])
     corners = np.array([(0.0, 0.0, 0.0), *offsets])
@@ -105,7 +109,7 @@ def test_splines_pass_their_poses_within_all_limits(
     for s, pose in zip(path.parameters[1:], poses, strict=True):
         q_there = joint_path.evaluate(np.array([s]))[0][0]
         assert max(generator.path_kinematics.pose(q_there).distance_to(pose)) < 1e-9
-    report = verify(trajectory, robot, path=path, torque=planner == 'dynamic_programming')
+    report = verify(trajectory, robot, path=path, torque=keeps_torque)
     assert report.ok, report.describe()
     if jerk_limited:
         assert report.uses['jerk'].ratio <= 1.0

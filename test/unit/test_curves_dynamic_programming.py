@@ -49,7 +49,7 @@ def test_out_of_a_straight_wrist(curve: type[PosesGenerator], offsets: list[list
     poses = poses_from(Pose(*robot.direct_kinematics(robot.home)), offsets, [0.1, 0.0, 0.2])
     with pytest.raises(PlanningError, match=r'singularity at 0\.0 %'):
         curve(robot).generate(robot.home, poses)
-    generator = curve(robot, planner='dynamic_programming')
+    generator = curve(robot, keeps_torque=True)
     planned(generator, robot.home, poses)
     path = generator.path(Pose(*robot.direct_kinematics(robot.home)), poses)
     assert generator.follow(path, robot.home) is None
@@ -60,7 +60,7 @@ def test_self_motion_keeps_a_seventh_axis_inside_its_limits(curve: type[PosesGen
     """Curves on which the least joint motion runs into a limit that self-motion avoids."""
     robot = load_robot_model('franka_fr3')
     rescued, rng = 0, np.random.default_rng(4)
-    least, chosen = curve(robot), curve(robot, planner='dynamic_programming')
+    least, chosen = curve(robot), curve(robot, keeps_torque=True)
     for _ in range(80):
         q, poses = _random_curve(robot, rng)
         try:

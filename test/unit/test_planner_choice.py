@@ -34,6 +34,9 @@ class SlowLine(LinearCartesianLimited):
     def __init__(self, robot, **options):
         super().__init__(robot, **options | {'cartesian_speed': 0.01})
 
+class StrongLine(SlowLine):
+    keeps_torque = True
+
 class Misspelt(TrajectoryGenerator):
     kinds = ('lines',)
 
@@ -45,6 +48,7 @@ stone = 'stone'
 ENTRY_POINTS = f"""
 [{ENTRY_POINT_GROUP}]
 slow = third_party_planners:SlowLine
+strong = third_party_planners:StrongLine
 misspelt = third_party_planners:Misspelt
 idle = third_party_planners:Idle
 stone = third_party_planners:stone
@@ -142,7 +146,9 @@ def test_the_planner_of_the_readme_moves_a_robot(robot: BaseRobotModel, start: n
 
 
 @pytest.mark.usefixtures('third_party')
-def test_a_planner_of_lines_leaves_curves_to_their_own(robot: BaseRobotModel, start: np.ndarray) -> None:
+def test_curves_have_their_own_planner_and_keep_torque_where_that_of_lines_does(
+    robot: BaseRobotModel, start: np.ndarray
+) -> None:
     planning, settings = PathPlanning(robot), MotionSettings(cartesian_planner='slow')
     assert 'slow' in available_planners('cartesian_planner')
     pose = Pose(*robot.direct_kinematics(start))
@@ -150,10 +156,11 @@ def test_a_planner_of_lines_leaves_curves_to_their_own(robot: BaseRobotModel, st
     motion = planning.plan(LINE, start, below, settings)
     assert motion.duration > 1.0
     assert motion.report.line_deviation is not None
-    with pytest.raises(
-        InvalidInputError, match="planner 'slow' is unknown; valid are limited and dynamic_programming"
-    ):
-        planning.plan(CIRCLE, start, (below, pose), settings)
+    via = Pose(pose.r + np.array([0.0, 0.005, -0.005]), pose.T)
+    for name in ('slow', 'strong'):
+        settings = MotionSettings(cartesian_planner=name)
+        assert planning.plan(CIRCLE, start, (via, below), settings).duration < 1.0
+        assert planning.generator(CIRCLE, settings).keeps_torque == (name == 'strong')
 
 
 @pytest.mark.usefixtures('third_party')
@@ -169,7 +176,7 @@ def test_a_planner_of_lines_leaves_curves_to_their_own(robot: BaseRobotModel, st
 def test_a_broken_planner_is_refused_and_others_stay(name: str, message: str) -> None:
     with pytest.raises(InvalidInputError, match=message):
         MotionSettings(cartesian_planner=name)
-    assert available_planners('cartesian_planner') == ('dynamic_programming', 'limited', 'slow')
+    assert available_planners('cartesian_planner') == ('dynamic_programming', 'limited', 'slow', 'strong')
 
 
 def test_two_planners_of_one_name_are_refused(third_party: Path) -> None:

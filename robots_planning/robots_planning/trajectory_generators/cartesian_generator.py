@@ -1,7 +1,7 @@
 """CartesianGenerator: motions along a path of the tool, inside the limits of axes and tool."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Final, Literal, Self, get_args
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, one_of, positive
+from robots_core.validation import Array, positive
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
@@ -27,12 +27,10 @@ from robots_planning.trajectory_generators.trajectory_generator import (
     rest_trajectory,
 )
 
-Planner = Literal['limited', 'dynamic_programming']
-
 TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
 """Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
 
-# Of acceleration, by 'limited' without jerk limits: part of the duration, which is longer by it, and at most.
+# Of acceleration without limits of torque and jerk: part of the duration, which it lengthens, and at most.
 SMOOTHING_SHARE: Final = 0.005
 LONGEST_SMOOTHING: Final = 0.008  # s
 STILL: Final = 1e-9  # rad (m)
@@ -53,8 +51,8 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: Highest angular speed of the tool, rad/s.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
         jerk_limited: Keep the axes' jerk limits too.
-        planner: 'limited' keeps the limits of velocity and acceleration; 'dynamic_programming' those of the
-            axes' torque too, and chooses among configurations (see `ConfigurationGraph`).
+        keeps_torque: Keep the limits of the axes' torque too, and choose among configurations (see
+            `ConfigurationGraph`); as its class by default.
         options: See `TrajectoryGenerator`.
 
     Raises:
@@ -73,7 +71,7 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: float | None = 1.5,
         rotation_acceleration: float | None = 6.0,
         jerk_limited: bool = False,
-        planner: Planner = 'limited',
+        keeps_torque: bool | None = None,
         **options: Any,
     ) -> None:
         super().__init__(robot, **options)
@@ -87,17 +85,18 @@ class CartesianGenerator(TrajectoryGenerator):
         self._tool_limits = np.array(
             [np.inf if value is None else positive(value, name, unit) for name, value, unit in motion]
         )
-        fastest = self.keeps_torque = one_of('planner', get_args(Planner))(planner) == 'dynamic_programming'
-        if self.hold == POSE and fastest:
+        if keeps_torque is not None:
+            self.keeps_torque = keeps_torque
+        if self.hold == POSE and self.keeps_torque:
             self.configuration_graph = ConfigurationGraph(self.path_kinematics)
         smoothed = {'ramp': SMOOTHING_SHARE, 'longest_ramp': LONGEST_SMOOTHING}
         self._timing = TimeOptimalTiming(
             robot,
             self.velocity,
             self.acceleration,
-            robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if fastest else None,
+            robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None,
             jerk=self.jerk if jerk_limited else None,
-            **{} if fastest else smoothed,
+            **{} if self.keeps_torque else smoothed,
         )
 
     @classmethod

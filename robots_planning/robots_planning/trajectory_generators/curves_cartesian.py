@@ -10,6 +10,7 @@ from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.circular_arc import CircularArc
 from robots_planning.paths.pose_spline import PoseSpline
+from robots_planning.planner_choice import load_planner
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 from robots_planning.trajectory_generators.trajectory_generator import Target
@@ -20,8 +21,9 @@ class PosesGenerator(CartesianGenerator):
 
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
-        """See `TrajectoryGenerator.from_settings`; the algorithm is that of `cartesian_planner`."""
-        return super().from_settings(robot, settings, planner=settings.cartesian_planner, **options)
+        """See `TrajectoryGenerator.from_settings`; torque is limited if `cartesian_planner` keeps it."""
+        keeps_torque = load_planner(settings.cartesian_planner).keeps_torque
+        return super().from_settings(robot, settings, keeps_torque=keeps_torque, **options)
 
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""

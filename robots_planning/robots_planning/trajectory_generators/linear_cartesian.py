@@ -57,4 +57,4 @@ class LinearCartesianDynamicProgramming(LinearCartesianLimited):
 
     def __init__(self, robot: BaseRobotModel, **options: Any) -> None:
         unlimited: dict[str, Any] = dict.fromkeys(TOOL_LIMITS)
-        super().__init__(robot, planner='dynamic_programming', **unlimited | options)
+        super().__init__(robot, **unlimited | options)
