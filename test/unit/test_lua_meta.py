@@ -18,7 +18,7 @@ FILE = PROGRAMS / 'library' / 'robot_functions.lua'
 
 
 def test_the_file_is_current():
-    assert FILE.read_text() == meta_file(), 'run: lua_meta > programs/library/robot_functions.lua'
+    assert FILE.read_text() == meta_file(), 'run: python -m robots_controller.live_cell.describe_nodes'
 
 
 def test_the_language_server_finds_it():

@@ -1,9 +1,10 @@
 """Writes the tables of nodes: `python -m robots_controller.live_cell.describe_nodes`, in the repository.
 
 For each package the table that `--help` prints from, and the page of the docs; the groups of the nodes'
-diagnostics; and rows of the docs that follow from code: motion commands, functions of programs, nodes and
-their phases. To be run again for another node, when a node gets another parameter, topic or service, and for
-another kind of motion or another function of robot programs.
+diagnostics; the editor's help for robot programs, as `lua_meta` prints it; and rows of the docs that follow
+from code: motion commands, functions of programs, nodes and their phases. To be run again for another node,
+when a node gets another parameter, topic or service, and for another kind of motion, function of programs or
+level of drives.
 """
 
 import re
@@ -16,6 +17,7 @@ from typing import Any, Final
 import rclpy
 import yaml
 
+from robots_controller.editor.lua_meta import meta_file
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.live_cell.node_types import node_scripts, node_type
 from robots_core.cell_interface.topic_qos import topic_qos
@@ -35,6 +37,7 @@ _NODES: Final = re.compile(
 _PHASES: Final = re.compile(r'(?<=\| phase \| what \| nodes \|\n\|---\|---\|---\|\n)(?:\|.*\n)+')
 PAGE: Final = Path('docs/reference/node_parameters.md')
 AGGREGATOR: Final = Path('robots_controller/config/diagnostic_aggregator.yaml')
+LIBRARY: Final = Path('programs/library/robot_functions.lua')
 GROUPS: Final = ('program', 'motion', 'robot', 'surroundings', 'plant', 'recording')
 """Of diagnostics, in their order."""
 RECORDING: Final = ('bag_recorder', 'bag_player')
@@ -78,7 +81,7 @@ def nodes_page(page: str) -> str:
 def _missing_nodes(rows: str) -> Iterator[str]:
     for script in node_scripts():
         if f'| `{script.name}` |' not in rows:
-            yield f'| `{script.name}` | {script.module.partition(".")[0]} | {what_of(script)} |\n'
+            yield f'| `{script.name}` | {script.module.partition(".")[0]} | {what_of(script).rstrip(".")} |\n'
 
 
 def lockstep_page(page: str) -> str:
@@ -177,6 +180,7 @@ def main() -> None:
         Path(folders[0], *folders, TABLE).write_text(table_text(nodes), 'utf-8')
     PAGE.write_text(page_text(packages), 'utf-8')
     AGGREGATOR.write_text(aggregator_text(), 'utf-8')
+    LIBRARY.write_text(meta_file(), 'utf-8')
     write_pages()
 
 
