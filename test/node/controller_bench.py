@@ -12,6 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from late_drives import PATIENT, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
@@ -19,8 +20,6 @@ from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import doubles, id_stamp, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND, STATE
-
-from .bench import Bench
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 NAMES = list(ROBOT.axes_data.names)

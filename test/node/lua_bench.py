@@ -15,13 +15,12 @@ from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import EVERY_STATE, Bench
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, message_class, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_planning.motion_kinds import MOTION_KINDS
-
-from .bench import EVERY_STATE, Bench
 
 ROBOT = 'kuka_kr210_r2700'
 MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'

@@ -12,6 +12,7 @@ from rclpy.duration import Duration
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from robots_core import Pose, load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.ros.messages import (
@@ -26,8 +27,6 @@ from robots_core.ros.qos import COMMAND, STATE
 from robots_planning import Trajectory
 from robots_planning.motion_kinds import MOTION_KINDS
 from robots_planning.nodes.planning_node import PlanningNode
-
-from .bench import Bench
 
 ROBOT = 'bello_bot'
 

@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import EVERY_STATE, Bench
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -18,8 +19,6 @@ from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_values, motion_result_from_message, nanoseconds
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
-
-from .bench import EVERY_STATE, Bench
 
 ROBOT = 'kuka_kr210_r2700'
 MOVE = 'ptpJointSpaceAngles(20, -80, 80, 0, 60, 0)\n'

@@ -9,14 +9,13 @@ from builtin_interfaces.msg import Duration
 from rclpy.action.client import ActionClient
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import doubles
 from robots_planning.nodes.planning_node import PlanningNode
-
-from .bench import Bench
 
 ROBOT = 'ur5e'
 

@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
+from bench import Bench
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.cell_interface.motion_result import MotionResult
@@ -26,8 +27,6 @@ from robots_core.robot_model.shapes import Sphere
 from robots_core.ros.messages import diagnostic_values, doubles, motion_result_message
 from robots_core.ros.qos import COMMAND, STATE
 from scene_markers import markers
-
-from .bench import Bench
 
 ROBOT = 'kuka_kr210_r2700'
 

@@ -12,13 +12,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String, UInt64
 from std_srvs.srv import SetBool
 
+from bench import EVERY_STATE
 from robots_core import load_robot_model
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import BUILD, stamp_id
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 
-from .bench import EVERY_STATE
 from .program_cell import CRAWL, MOVE, ROBOT, ProgramCell
 
 NAMES = load_robot_model(ROBOT).axes_data.names

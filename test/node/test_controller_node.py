@@ -12,11 +12,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import Bench
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.qos import SENSOR, STATE
 
-from .bench import Bench
 from .controller_bench import AWAY, HOME, NAMES, OPTIONS, ControllerBench
 
 

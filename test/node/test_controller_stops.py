@@ -10,6 +10,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Bool, Float64
 
+from bench import EVERY_STATE, Bench
 from late_drives import PATIENT
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.cell_interface.motion_result import MotionResult
@@ -19,7 +20,6 @@ from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import STATE
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import EVERY_STATE, Bench
 from .controller_bench import AWAY, FAST_DRIVES, HOME, OPTIONS, ControllerBench
 
 

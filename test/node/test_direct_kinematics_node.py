@@ -12,14 +12,13 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
+from bench import Bench
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
 from robots_core.ros.messages import doubles, pose_from_message
 from robots_core.ros.qos import STATE
-
-from .bench import Bench
 
 ROBOT = 'kuka_kr210_r2700'
 TOOL = [0.1, 0.0, 0.3, 0.0, 0.7071067811865476, 0.0, 0.7071067811865476]

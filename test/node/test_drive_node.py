@@ -14,6 +14,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String, UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from robots_core import load_robot_model
 from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
@@ -25,8 +26,6 @@ from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_status, doubles, stamp_id
 from robots_core.ros.qos import STATE
 from robots_core.ros.streams.polled_subscription import Arrivals, PolledSubscription
-
-from .bench import Bench
 
 ORBIT = Path(__file__).parents[2] / 'programs' / 'debris_removal' / 'orbit.yaml'
 NAME = 'kuka_kr210_r2700'

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
+from bench import Bench
 from control_interfaces import control_msgs
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
@@ -25,7 +26,6 @@ from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
 from trajectory_controller_double import TrajectoryControllerDouble
 
-from .bench import Bench
 from .trajectory_action_double import NAME, TrajectoryActionDouble
 
 __all__ = ['control_msgs']

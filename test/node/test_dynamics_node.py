@@ -17,6 +17,7 @@ from trajectory_msgs.msg import (
     MultiDOFJointTrajectoryPoint,
 )
 
+from bench import Bench
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
@@ -26,8 +27,6 @@ from robots_core.errors import InvalidInputError
 from robots_core.nodes.dynamics_node import DynamicsNode
 from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE
-
-from .bench import Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

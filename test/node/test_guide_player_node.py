@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
+from bench import Bench
 from robots_controller.nodes.guide_player_node import GuidePlayerNode
 from robots_controller.simulation.record.ros_messages import BUILD
 from robots_core import load_robot_model
@@ -17,8 +18,6 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.ros.messages import nanoseconds
 from robots_core.ros.qos import COMMAND, STATE
 from written_bags import BAG_START, write_bag
-
-from .bench import Bench
 
 NAME = 'bello_bot'
 JOINTS = list(load_robot_model(NAME).axes_data.names)

@@ -11,6 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from robots_core import load_robot_model
 from robots_core.cell_interface.driver_file import Driver, read_driver
 from robots_core.errors import InvalidInputError
@@ -18,8 +19,6 @@ from robots_core.nodes.hardware_node import HardwareNode
 from robots_core.ros.messages import doubles, seconds
 from robots_core.ros.qos import STATE
 from trajectory_controller_double import TrajectoryControllerDouble
-
-from .bench import Bench
 
 ROBOT = load_robot_model('ur5e')
 NAMES = list(ROBOT.axes_data.names)

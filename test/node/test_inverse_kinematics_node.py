@@ -15,6 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import Bench
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import Pose, load_robot_model
@@ -25,8 +26,6 @@ from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.messages import BUILD, pose_message, seconds
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
-
-from .bench import Bench
 
 NAME = 'kuka_kr500_r2830'
 ROBOT = load_robot_model(NAME)

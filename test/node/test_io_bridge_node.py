@@ -21,6 +21,7 @@ from std_msgs.msg import (
     UInt64,
 )
 
+from bench import EVERY_STATE, MANY, Bench
 from plant_partners import ModbusPartner
 from robots_controller.io.stopping_inputs import unknown_inputs
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
@@ -30,8 +31,6 @@ from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.peers.heartbeat import HEARTBEAT, Heartbeat
 from robots_core.ros.qos import COMMAND, STATE, make_publisher
 from robots_core.ros.timed_node import TimedNode
-
-from .bench import EVERY_STATE, MANY, Bench
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
 

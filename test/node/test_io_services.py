@@ -11,12 +11,11 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from std_srvs.srv import SetBool
 
+from bench import Bench
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
-
-from .bench import Bench
 
 NO_VALUE = ParameterValue()
 

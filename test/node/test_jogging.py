@@ -14,6 +14,7 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import Bench
 from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
@@ -22,8 +23,6 @@ from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import BUILD, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_planning.nodes.planning_node import PlanningNode
-
-from .bench import Bench
 
 NAME = 'bello_bot'
 ROBOT = load_robot_model(NAME)

@@ -14,10 +14,9 @@ from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Int64
 from std_srvs.srv import Trigger
 
+from bench import Bench
 from robots_core.ros.running.held_wait_set import HeldWaitSet
 from robots_core.ros.timed_node import TimedNode
-
-from .bench import Bench
 
 UNACKNOWLEDGED = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 

@@ -16,11 +16,10 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
+from bench import Bench
 from counted_cases import count_cases
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.nodes.lua_program_node import LuaProgramNode
-
-from .bench import Bench
 
 ROBOT = 'kuka_kr210_r2700'
 RUN_TIME = 0.1  # s that a program that does not end has before it is stopped
@@ -121,7 +120,7 @@ TYPES = {
 WATCHING = ('get_command_state', 'get_io', 'set_io', 'list_io', 'describe_io', 'digital_input_1/set')
 
 
-class FuzzBench(Bench):
+class ServicesBench(Bench):
     """The node under test, of which every service is called while a program runs."""
 
     def __init__(self, runner: Any, folder: Path) -> None:
@@ -189,8 +188,8 @@ class FuzzBench(Bench):
 
 
 @pytest.fixture
-def bench(ros_nodes: Any, tmp_path: Path) -> FuzzBench:
-    return FuzzBench(ros_nodes, tmp_path)
+def bench(ros_nodes: Any, tmp_path: Path) -> ServicesBench:
+    return ServicesBench(ros_nodes, tmp_path)
 
 
 @contextmanager
@@ -201,7 +200,7 @@ def about(kind: str) -> Iterator[None]:
         raise AssertionError(f'{kind}: {error}') from error
 
 
-def test_programs_without_end(bench: FuzzBench):
+def test_programs_without_end(bench: ServicesBench):
     for kind, text in ENDLESS.items():
         with about(kind):
             assert bench.run_program(text.encode()) == 'RUNNING', bench.error
@@ -210,7 +209,7 @@ def test_programs_without_end(bench: FuzzBench):
             bench.next_program_runs()
 
 
-def test_programs_that_go_too_far(bench: FuzzBench):
+def test_programs_that_go_too_far(bench: ServicesBench):
     for kind, (text, reason) in FAILING.items():
         with about(kind):
             assert bench.run_program(text.encode(), run_time=FAIL_TIME) == 'FAILED'
@@ -218,7 +217,7 @@ def test_programs_that_go_too_far(bench: FuzzBench):
             bench.next_program_runs()
 
 
-def test_random_bytes(bench: FuzzBench):
+def test_random_bytes(bench: ServicesBench):
     rng = random.Random(SEED)  # noqa: S311  # the same programs in every run
     ran = [bench.try_program(rng.randbytes(size * 3)) for size in range(60)]
     assert sum(ran) == 1  # nothing at all is a program
@@ -269,7 +268,7 @@ def random_program(rng: random.Random, depth: int = 0) -> str:
     return '\n'.join(lines)
 
 
-def test_random_programs(bench: FuzzBench):
+def test_random_programs(bench: ServicesBench):
     rng = random.Random(SEED)  # noqa: S311  # the same programs in every run
     ran = [bench.try_program(random_program(rng).encode()) for _ in range(40)]
     assert all(ran)

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
@@ -21,8 +22,6 @@ from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import doubles, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND, STATE
-
-from .bench import Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

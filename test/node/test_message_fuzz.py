@@ -38,7 +38,7 @@ EXAMPLES, MIXED = (50, 200) if settings().max_examples > 100 else (3, 36)
 QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class FuzzBench:
+class TopicsBench:
     """One node on a simulated clock, in the test's own thread: what its callbacks raise, the test raises."""
 
     def __init__(self, kind: Any, context: Any, **parameters: Any) -> None:
@@ -140,14 +140,14 @@ class FuzzBench:
 
 
 @pytest.fixture(params=sorted(suite_nodes()))
-def bench(request: pytest.FixtureRequest, ros_context: Any) -> Iterator[FuzzBench]:
+def bench(request: pytest.FixtureRequest, ros_context: Any) -> Iterator[TopicsBench]:
     name = request.param
-    bench = FuzzBench(suite_nodes()[name], ros_context, **OPTIONS.get(name, {}))
+    bench = TopicsBench(suite_nodes()[name], ros_context, **OPTIONS.get(name, {}))
     yield bench
     bench.close()
 
 
-def test_every_topic_of_every_node_takes_any_message(bench: FuzzBench) -> None:
+def test_every_topic_of_every_node_takes_any_message(bench: TopicsBench) -> None:
     texts = tuple(bench.robot.axes_data.names)
     for subscription in bench.subscriptions:
         kind = subscription.msg_type

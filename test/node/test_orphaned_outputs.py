@@ -6,9 +6,8 @@ from typing import Any
 
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
+from bench import EVERY_STATE, Bench
 from robots_controller.live_cell.processes.node_restarts import OrphanedOutputs
-
-from .bench import EVERY_STATE, Bench
 
 
 def test_images_get_fail_safe_values_until_they_are_handed_back(ros_nodes: Any) -> None:

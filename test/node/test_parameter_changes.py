@@ -10,6 +10,7 @@ import pytest
 from rclpy.parameter import Parameter
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -21,7 +22,6 @@ from robots_core.ros.qos import COMMAND
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
 
-from .bench import Bench
 from .planning_bench import PlanningBench
 from .suite_nodes import OPTIONS, suite_nodes
 

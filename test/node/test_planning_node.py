@@ -15,6 +15,7 @@ from rcl_interfaces.srv import GetParameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
+from bench import Bench
 from robots_core import Pose
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import InvalidInputError
@@ -22,7 +23,6 @@ from robots_core.ros.messages import BUILD, motion_result_message
 from robots_planning import LinearCartesianLimited, verify
 from robots_planning.nodes.planning_node import PlanningNode
 
-from .bench import Bench
 from .planning_bench import ROBOT, PlanningBench
 
 

@@ -10,14 +10,13 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
+from bench import EVERY_STATE, Bench
 from plant_partners import MqttPartner, free_port
 from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_controller.nodes.plc_node import PlcNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
-
-from .bench import EVERY_STATE, Bench
 
 SCRIPT = """
 initial: {digital_input.2: true}

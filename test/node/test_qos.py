@@ -12,6 +12,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64
 
+from bench import Bench
 from robots_core.cell_interface.topic_qos import Profile, topic_qos
 from robots_core.ros.qos import (
     COMMAND,
@@ -24,7 +25,6 @@ from robots_core.ros.qos import (
 )
 from robots_planning.nodes.planning_node import PlanningNode
 
-from .bench import Bench
 from .suite_nodes import OPTIONS, suite_nodes
 
 UNACKNOWLEDGED = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)

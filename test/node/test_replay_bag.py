@@ -13,6 +13,7 @@ from rich.console import Console
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
+from bench import Bench
 from robots_controller.commands.command_table import REPLAY_BAG
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.replay_bag import replay_bag
@@ -23,8 +24,6 @@ from robots_core.ros.lockstep.phases import START
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 from written_bags import BAG_TYPES, write_bag, write_plant_bag
-
-from .bench import Bench
 
 T = BAG_TYPES.types
 

@@ -9,12 +9,11 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from bench import Bench
 from robots_core.errors import InvalidInputError
 from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import fraction
-
-from .bench import Bench
 
 
 @pytest.mark.parametrize(('qos', 'lines'), [(COMMAND, 3), (STREAM, 1)])

@@ -15,14 +15,13 @@ from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
+from bench import EVERY_STATE, Bench
 from built_messages import build_messages
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.link_frames import LinkFrames
 from robots_core.nodes.robot_state_node import RobotStateNode
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE
-
-from .bench import EVERY_STATE, Bench
 
 ROBOT = 'ur5e'
 TF_MESSAGE = 'geometry_msgs/TransformStamped[] transforms\n'

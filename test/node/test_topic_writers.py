@@ -13,6 +13,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from bench import Bench
 from late_drives import LATE_DRIVES
 from robots_controller.nodes.controller.watched_nodes import ForeignWriters
 from robots_controller.nodes.controller_node import ControllerNode
@@ -33,8 +34,6 @@ from robots_core.ros.messages import (
 from robots_core.ros.peers.identified_messages import IdentifiedMessages
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
-
-from .bench import Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

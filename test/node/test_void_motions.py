@@ -13,6 +13,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import EVERY_STATE
 from late_drives import PATIENT
 from robots_controller.control import motion_admission
 from robots_controller.control.stops.faults import Fault
@@ -21,7 +22,6 @@ from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.timed_node import TimedNode
 from robots_core.status import Level, Status
 
-from .bench import EVERY_STATE
 from .controller_bench import AWAY, HOME, ControllerBench
 
 

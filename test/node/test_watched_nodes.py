@@ -9,6 +9,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Bool, UInt8MultiArray
 
+from bench import EVERY_STATE, Bench
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_core.errors import InvalidInputError
@@ -17,7 +18,6 @@ from robots_core.ros.peers.heartbeat import Heartbeat
 from robots_core.ros.qos import STATE
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import EVERY_STATE, Bench
 from .controller_bench import AWAY, HOME, OPTIONS, ControllerBench
 
 INPUTS = {'emergency_stop_inputs': ['digital_input.2=off']}

@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from std_msgs.msg import UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import EVERY_STATE, Bench
 from late_drives import LATE_DRIVES
 from robots_controller.control.zones.shared_zone import Claim, ZoneState, parse_zone_state
 from robots_controller.nodes.controller_node import ControllerNode
@@ -21,8 +22,6 @@ from robots_core.ros.messages import diagnostic_values, motion_result_from_messa
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning import LinearJoint, Trajectory
 from robots_planning.nodes.motion_messages import trajectory_message
-
-from .bench import EVERY_STATE, Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

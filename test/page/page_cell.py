@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
+from bench import Bench
 from late_drives import LATE_DRIVES, SPARSE
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
-from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_values, motion_result_from_message
-from robots_core.ros.qos import COMMAND
 from robots_core.validation import Array
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -24,34 +23,24 @@ PAGE = {'robot_model': ROBOT, 'port': 0, 'connection_timeout': 60.0}
 """Parameters of a pendant."""
 
 
-class Cell:
+class Cell(Bench):
     """In mode T1; both threads of a test may look."""
 
     def __init__(self, runner: Any, folder: Path) -> None:
-        self.runner, self.folder = runner, folder
-        self.references: list[Any] = []
-        self.results: list[MotionResult] = []
-        self.pages: list[str] = []
-        self.node = peer = runner.create_node('peer')
-        peer.create_subscription(
-            JointTrajectory, 'joint_reference', lambda m: self.references.append(m.points[0]), 10_000
-        )
-        peer.create_subscription(
-            DiagnosticStatus,
-            'motion_result',
-            lambda message: self.results.append(motion_result_from_message(message)),
-            COMMAND.depth,
-        )
-        peer.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 100)
+        super().__init__(runner)
+        self.folder = folder
+        self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
+        self.results = self.collect('motion_result', DiagnosticStatus, read=motion_result_from_message)
         for kind in (LuaProgramNode, PlanningNode):
-            runner.add(kind(**runner.options(robot_model=ROBOT)))
-        runner.add(DriveNode(**runner.options(robot_model=ROBOT, **SPARSE)))
-        options = {'robot_model': ROBOT, 'operating_mode': 'T1', **LATE_DRIVES, **SPARSE}
-        runner.add(ControllerNode(**runner.options(**options)))
+            self.start_node(kind, robot_model=ROBOT)
+        self.start_node(DriveNode, robot_model=ROBOT, **SPARSE)
+        options = {'operating_mode': 'T1', **LATE_DRIVES, **SPARSE}
+        self.start_node(ControllerNode, robot_model=ROBOT, **options)
 
-    def _on_health(self, message: DiagnosticArray) -> None:
-        found = [one for one in message.status if one.name == '/pendant_node']
-        self.pages += filter(None, [diagnostic_values(one).get('url', '') for one in found])
+    @property
+    def pages(self) -> list[str]:
+        found = [diagnostic_values(one) for one in self.health if one.name == '/pendant_node']
+        return [values['url'] for values in found if values.get('url')]
 
     @property
     def moving(self) -> bool:
