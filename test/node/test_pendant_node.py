@@ -120,6 +120,7 @@ def test_a_motion_to_a_target_ends_when_its_button_is_released(cell: OperatedCel
 
 def test_previews_keep_the_distance_that_the_planner_keeps_now(cell: OperatedCell) -> None:
     cell.until_standing()
+    cell.wait(lambda: not cell.planner.moving, 'the end of the jog before')
     cell.operator.preview(ME, 'joints', [*cell.references[-1].positions], 0.1)
     for margin in (0.02, 0.005):
         (result,) = cell.planner.set_parameters([Parameter('collision_margin', value=margin)])
