@@ -14,13 +14,8 @@ from robots_core.errors import JointLimitError, PlanningError
 from robots_core.robot_model.shapes import Box, Capsule, Sphere
 from robots_planning import CollisionFreeJoint, MotionSettings, PathPlanning
 from robots_planning.free_paths import free_path_search
-from robots_planning.free_paths.free_path_search import (
-    SLICE,
-    FreePathSearch,
-    NoFreePathError,
-    SearchCancelledError,
-)
-from robots_planning.free_paths.free_postures import BlockedPostureError
+from robots_planning.free_paths.errors import BlockedPostureError, NoFreePathError, SearchCancelledError
+from robots_planning.free_paths.free_path_search import SLICE, FreePathSearch
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
 
 from .posts_and_walls import (

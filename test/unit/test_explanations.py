@@ -15,7 +15,7 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.stops.limit_guard import RELATIVE_TOLERANCE
 from robots_controller.program.turn_clock import CALLS_PER_PERIOD, INSTRUCTIONS_PER_PERIOD
 from robots_controller.simulation.simulated_clock import START
-from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
+from robots_core.blocks.collision.results import RESOLUTION
 from robots_core.blocks.drives.reference_check import STAMP_ERROR
 from robots_core.blocks.zones.zone_passages import MARGIN
 from robots_core.periodic.periodic_schedule import MAX_LATE_PERIODS

@@ -9,13 +9,12 @@ from robots_controller.io.plant.plant_link import LinkError
 from robots_controller.pendant.permissions import NotPermittedError
 from robots_core import errors
 from robots_core.blocks.collision.results import CollisionError
-from robots_core.blocks.zones.zone_detection import ZoneError
+from robots_core.blocks.zones.zone_error import ZoneError
 from robots_core.errors import OptionError, RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.wording.nearest_name import did_you_mean
-from robots_planning.free_paths.free_path_search import NoFreePathError, SearchCancelledError
-from robots_planning.free_paths.free_postures import BlockedPostureError
+from robots_planning.free_paths.errors import BlockedPostureError, NoFreePathError, SearchCancelledError
 
 
 def error_catalogue() -> dict[str, type[RobotsError]]:

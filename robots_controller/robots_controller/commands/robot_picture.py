@@ -5,7 +5,6 @@ from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
@@ -39,6 +38,8 @@ def robot_picture(robot: BaseRobotModel, columns: int = 36, rows: int = 18) -> s
 
 def _outline(robot: BaseRobotModel) -> Iterator[Array]:
     """Lines (2, 3), m: the robot from joint to joint to tool0, and the outlines of its bodies."""
+    from scipy.spatial import ConvexHull  # noqa: PLC0415  # most commands show no picture
+
     r, T = robot.kinematic_model.frame_axes(robot.home)
     tool, _ = robot.direct_kinematics(robot.home)
     points = [np.zeros(3), *r, tool]

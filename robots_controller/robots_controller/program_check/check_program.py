@@ -9,10 +9,8 @@ from dataclasses import asdict
 from rich.console import Console
 
 from robots_controller.commands.json_output import print_json
-from robots_controller.program.files.program_header import read_program_header
+from robots_controller.program.files.program_header import ProgramHeader, read_program_header
 from robots_controller.program_check.program_check import ProgramProblem, check_program, sizes_of
-from robots_controller.program_check.walk import walk_program
-from robots_controller.simulation.cell_parts import CellSetup
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
@@ -56,22 +54,26 @@ def _problems(program: str, options: argparse.Namespace) -> Iterable[ProgramProb
     try:
         cell = read_program_header(program).replaced_by(**given)
         cell.check_files()
-        robot = cell.robot or DEFAULT_ROBOT
-        axes = load_robot_model(robot).axes_data
+        axes = load_robot_model(cell.robot or DEFAULT_ROBOT).axes_data
         size = {'digital': options.digital, 'analog': options.analog}
         sizes = sizes_of(axes.num_axes, cell.io, options.io_map, options.frames, **size)
         problems = check_program(program, sizes)
         if problems or not (options.walk or options.scene or options.io):
             return problems
-        setup = CellSetup(program=program, robot=robot, scene=cell.scene, io=cell.io, frames=options.frames)
-        return _walk(setup, options)
+        return _walk(program, cell, options)
     except ProgramError as error:
         return [ProgramProblem(error.file or program, error.line, error.reason)]
     except RobotsError as error:  # of the header: the other programs are judged anyway
         return [ProgramProblem(program, 0, error.message)]
 
 
-def _walk(setup: CellSetup, options: argparse.Namespace) -> Iterable[ProgramProblem]:
+def _walk(program: str, cell: ProgramHeader, options: argparse.Namespace) -> Iterable[ProgramProblem]:
+    # Load the planners, which reading needs not.
+    from robots_controller.program_check.walk import walk_program  # noqa: PLC0415
+    from robots_controller.simulation.cell_parts import CellSetup  # noqa: PLC0415
+
+    robot = cell.robot or DEFAULT_ROBOT
+    setup = CellSetup(program=program, robot=robot, scene=cell.scene, io=cell.io, frames=options.frames)
     result = walk_program(
         setup,
         most=options.combinations,
@@ -83,7 +85,7 @@ def _walk(setup: CellSetup, options: argparse.Namespace) -> Iterable[ProgramProb
     for path in result.paths:
         print(path, file=sys.stderr)
     print(
-        f'{setup.program}: walked with {_counted(result.walked, "combination")} of inputs{left_out}',
+        f'{program}: walked with {_counted(result.walked, "combination")} of inputs{left_out}',
         file=sys.stderr,
     )
     return result.problems

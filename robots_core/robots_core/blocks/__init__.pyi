@@ -65,4 +65,4 @@ from .zones.zone import HalfSpace as HalfSpace
 from .zones.zone import PlacedBox as PlacedBox
 from .zones.zone import Zone as Zone
 from .zones.zone_detection import ZoneDetection as ZoneDetection
-from .zones.zone_detection import ZoneError as ZoneError
+from .zones.zone_error import ZoneError as ZoneError

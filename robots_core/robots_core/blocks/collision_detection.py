@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of, proven_apart
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.along_paths.path_certificate import PathCertificate
-from robots_core.blocks.collision.along_paths.path_search import RESOLUTION, closest_approach, first_approach
+from robots_core.blocks.collision.along_paths.path_search import closest_approach, first_approach
 from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
 from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
-from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
+from robots_core.blocks.collision.results import RESOLUTION, CollisionError, PathProximity, Proximity
 from robots_core.blocks.collision.robot_solids import held_solids, robot_solids
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.solids import Solid, solids_of

@@ -15,7 +15,7 @@ from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandQueue
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.commands.motion_plan import CommandChain, MotionPlan, QueuedCommand
-from robots_planning.free_paths.free_path_search import SearchCancelledError
+from robots_planning.free_paths.errors import SearchCancelledError
 from robots_planning.motion_kinds import MotionKind
 from robots_planning.pathplanning import PathPlanning
 

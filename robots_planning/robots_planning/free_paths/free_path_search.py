@@ -12,8 +12,8 @@ import numpy as np
 from robots_core.blocks.collision.along_paths.path_certificate import FREE, PathCertificate
 from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision_detection import CollisionDetection
-from robots_core.errors import PlanningError
 from robots_core.validation import Array
+from robots_planning.free_paths.errors import NoFreePathError, SearchCancelledError
 from robots_planning.free_paths.search_kernel import Random, Tree, duration, grow, shorten
 
 POSTURES_PER_SECOND: Final = 25_000
@@ -32,20 +32,6 @@ MOST_BLOCKING: Final = 3  # pairs that a refusal names
 # farther away with the number of postures in vain.
 AROUND, WIDEST = 1.0, np.pi
 TWICE_AS_WIDE: Final = 1000  # postures
-
-
-class NoFreePathError(PlanningError):
-    """The search has found no path within its budget, which does not mean that there is none."""
-
-    code = 'R305'
-    remedy = 'Command an intermediate point, or a larger budget of the search (`docs/how_to/collisions.md`).'
-
-
-class SearchCancelledError(PlanningError):
-    """The motion was given up while its path was searched for."""
-
-    code = 'R306'
-    remedy = 'None is needed: its commander has given the motion up.'
 
 
 @dataclass(frozen=True, eq=False)

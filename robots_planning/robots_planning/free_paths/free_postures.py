@@ -7,20 +7,13 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.collision.along_paths.path_certificate import FREE
-from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
+from robots_core.blocks.collision.results import RESOLUTION
 from robots_core.blocks.collision_detection import CollisionDetection
-from robots_core.errors import PlanningError
 from robots_core.validation import Array
+from robots_planning.free_paths.errors import BlockedPostureError
 
 SAME: Final = 1e-6  # rad (m)
 JOGS: Final = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # rad (m) of one axis, tried to leave a contact
-
-
-class BlockedPostureError(PlanningError):
-    """Start or target is in contact with something, or closer to it than the margin."""
-
-    code = 'R307'
-    remedy = 'Jog the robot away from the contact, or choose another target or configuration.'
 
 
 def check_start(detection: CollisionDetection, start: Array) -> None:

@@ -15,13 +15,9 @@ from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
+from robots_planning.free_paths.errors import BlockedPostureError
 from robots_planning.free_paths.free_path_search import FreePath, FreePathSearch
-from robots_planning.free_paths.free_postures import (
-    BlockedPostureError,
-    blocked_target,
-    check_start,
-    distinct,
-)
+from robots_planning.free_paths.free_postures import blocked_target, check_start, distinct
 from robots_planning.free_paths.rounding import rounded
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.joint_path import JointPath

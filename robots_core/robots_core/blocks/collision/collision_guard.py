@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
-from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
-from robots_core.blocks.collision.results import PathProximity, Proximity
+from robots_core.blocks.collision.results import RESOLUTION, PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.cell_interface.motion_result import MotionResult

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
-from robots_core.blocks.collision.along_paths.path_search import RESOLUTION
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_core.wording.rounding import apart
+
+RESOLUTION = 1e-4  # m
+"""A distance within this of the margin may count as below it; one below it never counts as free."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,17 +9,11 @@ from robots_core.blocks.collision.robot_solids import held_solids, robot_solids,
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.zones.zone import Zone
 from robots_core.blocks.zones.zone_clearance import ZoneClearance
+from robots_core.blocks.zones.zone_error import ZoneError
 from robots_core.blocks.zones.zone_passages import MARGIN, Passage, farthest_across, passages
-from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-
-
-class ZoneError(PlanningError):
-    """A motion crosses the border of a zone that nothing opens."""
-
-    code = 'R304'
-    remedy = 'Stay inside or outside of the zone, or set the input that opens it (`docs/how_to/zones.md`).'
 
 
 class ZoneDetection:

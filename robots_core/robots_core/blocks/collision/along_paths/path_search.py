@@ -14,10 +14,9 @@ import numpy as np
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
 from robots_core.blocks.collision.distances.nearest_points import Indices
 from robots_core.blocks.collision.distances.solid_set import SolidSet
+from robots_core.blocks.collision.results import RESOLUTION
 from robots_core.validation import Array
 
-RESOLUTION = 1e-4  # m
-"""A distance within this of the margin may count as below it; one below it never counts as free."""
 FIRST_SAMPLES = 17  # of the path, for a first bound of the smallest distance
 
 
