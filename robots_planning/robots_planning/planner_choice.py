@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final
 from robots_core.errors import InvalidInputError
 from robots_core.plugins import installed_plugins, load_plugin
 from robots_planning.motion_kinds import MOTION_KINDS, MotionKind
-from robots_planning.trajectory_generators.trajectory_generator import TrajectoryGenerator
 
 if TYPE_CHECKING:
     from robots_planning.motion_settings import MotionSettings
+    from robots_planning.trajectory_generators.trajectory_generator import TrajectoryGenerator
 
 ENTRY_POINT_GROUP: Final = 'robots_planning.planners'
 AVOIDING: Final = 'collision_free'
@@ -37,6 +37,9 @@ def load_planner(name: str) -> type[TrajectoryGenerator]:
     Raises:
         InvalidInputError: no planner has that name, two have, or it is broken.
     """
+    # Imported on demand: whoever checks settings alone loads no planner.
+    from robots_planning.trajectory_generators.trajectory_generator import TrajectoryGenerator  # noqa: PLC0415
+
     plugins = installed_plugins(ENTRY_POINT_GROUP)
     if name not in plugins:
         raise InvalidInputError(f'unknown planner {name!r}; planners are {", ".join(sorted(plugins))}')

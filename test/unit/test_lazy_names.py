@@ -41,8 +41,6 @@ WITH_COMPILER = (
     'robots_core.nodes.inverse_kinematics_node',
     'robots_core.nodes.dynamics_node',
     'robots_controller.nodes.controller_node',
-    'robots_controller.nodes.guide_player_node',
-    'robots_controller.nodes.opcua_node',
     'robots_core.nodes.collision_node',
     'robots_planning.nodes.planning_node',
 )
@@ -83,14 +81,19 @@ LEAN: tuple[dict[tuple[str, ...], dict[str, str]], ...] = (
     {
         (*HEAVY, 'coverage', 'numpy', 'pinocchio'): imports('robots_core'),
         (*HEAVY, 'coverage'): {
-            **imports(*sorted(NODES - {*WITH_COMPILER, *WITH_MORE})),
+            **imports(
+                *sorted(NODES - {*WITH_COMPILER, *WITH_MORE}),
+                'robots_controller.commands.robot_commands',
+                'robots_controller.recording.check_bag',
+                'robots_controller.nodes.bags.replay_bag',
+            ),
             'kinematics and dynamics of a robot': (
                 'from robots_core import load_robot_model; robot = load_robot_model("kuka_kr210_r2700");'
                 'robot.direct_kinematics(robot.home); robot.jacobian(robot.home);'
                 'robot.rigid_dynamics(robot.home, robot.home, robot.home)'
             ),
         },
-        (*MESHES, *SCIPY, *VIEW, *LUA, 'coverage'): {
+        (*MESHES, *SCIPY, *VIEW, *LUA, *PLANT, 'coverage'): {
             **imports(
                 'robots_core.kernels.compiled',
                 *WITH_COMPILER,
@@ -100,12 +103,22 @@ LEAN: tuple[dict[tuple[str, ...], dict[str, str]], ...] = (
                 planner='SplineCartesian', target='[Pose(r + (0.02, 0.0, 0.0), T), Pose(r + 0.02, T)]'
             ),
         },
-        (*MESHES, *SCIPY, *VIEW): {
+        (*MESHES, *VIEW, *LUA, *PLANT): imports(MOTION_CUEING),
+    },
+    {
+        (*MESHES, *SCIPY, *COMPILER, *VIEW, *PLANT, 'coverage'): imports(
+            LUA_PROGRAM,
+            'robots_controller.live_cell.cell_command',
+            'robots_controller.live_cell.cell_run',
+            'robots_controller.program_check.check_program',
+            'robots_controller.commands.error_catalogue',
+        ),
+        (*MESHES, *SCIPY, *VIEW, *PLANT): {
             **imports(
-                LUA_PROGRAM,
-                'robots_controller.live_cell.cell_command',
+                PENDANT,
                 'robots_controller.simulation.command_line',
                 'robots_controller.program_check.walk',
+                'robots_controller.report.run_report',
             ),
             'a program, simulated and recorded': (
                 'import tempfile; from robots_controller.simulate import simulate\n'
@@ -113,10 +126,6 @@ LEAN: tuple[dict[tuple[str, ...], dict[str, str]], ...] = (
                 f'    simulate({str(WELDING)!r}, robot="kuka_kr210_r2700", bag=f"{{folder}}/bag")'
             ),
         },
-    },
-    {
-        (*MESHES, *VIEW, *LUA, *PLANT): imports(MOTION_CUEING),
-        (*VIEW, *PLANT): imports(PENDANT),
     },
     {(*LUA, *COMPILER): imports(VISUALIZER)},
 )

@@ -15,7 +15,7 @@ from robots_controller.simulation.record.events import CommandStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
-from robots_planning.guidance.teach_box import JogAxes
+from robots_planning.guidance.jog_axes import JogAxes
 from written_bags import BAG_START, write_bag
 
 from .simulated_program import PERIOD, ROBOT, run_text

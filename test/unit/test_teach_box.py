@@ -6,7 +6,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError
 from robots_planning import TeachBox, TeachStep
-from robots_planning.guidance.teach_box import OUT_OF_REACH, JogAxes
+from robots_planning.guidance.jog_axes import JogAxes
+from robots_planning.guidance.teach_box import OUT_OF_REACH
 
 DT = 0.004
 

@@ -22,7 +22,7 @@ from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import BagError, InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_planning.guidance.teach_box import JogAxes, jog_axes
+from robots_planning.guidance.jog_axes import JogAxes, jog_axes
 
 NANOSECONDS: Final = 1_000_000_000
 GUIDES: Final[Mapping[Guide, tuple[str, ...]]] = {

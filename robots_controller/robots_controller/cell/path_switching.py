@@ -6,12 +6,14 @@ import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_controller.program.motions.path_switches import PathSwitches, switches_on_path
 from robots_core.validation import Array
-from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.trajectory import Trajectory
 
 # Between two reports, a prediction further ahead than this waits for the next report.
 FARTHEST_PREDICTION: Final = 0.08  # s

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from robots_controller.control.control_loop import ControllerRequest
+from robots_controller.control.controller_request import ControllerRequest
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState

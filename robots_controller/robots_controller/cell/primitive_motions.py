@@ -9,7 +9,7 @@ from typing import Final, Protocol
 
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import Configured, PlannerPort
-from robots_controller.control.control_loop import ControllerRequest
+from robots_controller.control.controller_request import ControllerRequest
 from robots_controller.program.motions.modal_settings import motion_settings
 from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.motions.planned_primitive import PlannedPrimitive, PrimitivePlanner

@@ -22,6 +22,7 @@ from robots_controller.program.cell_port import CellPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motions.modal_settings import PLANNING_NODE
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.path_switches import warm_up
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.operating_modes import OperatingMode
@@ -72,7 +73,7 @@ class ProgramHost(CellPort):
         self.payload, self.simulated = payload, simulated
         self.clock = clock
         self._robot_port = robot_port
-        self.robot = MeasuredRobot(robot, robot_port)
+        self._robot, self.robot = robot, MeasuredRobot(robot, robot_port)
         self._controller, self._observer = controller, observer
         self.program = LuaProgram(
             robot.num_axes,
@@ -310,6 +311,8 @@ class ProgramHost(CellPort):
         self.reporter.report_if_due()
         self._observer.command_state(self.program.command_state)
         self._files[command] = self.program.line_file
+        if command.switches or command.blend:  # outputs may be switched on their way
+            warm_up(self._robot)
         self.motions.send(command)
         if self.program.stopping:  # the stop came before there was a motion to stop
             self.motions.cancel()

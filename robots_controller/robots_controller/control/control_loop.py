@@ -6,10 +6,11 @@ import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
-from typing import Literal, Protocol
+from typing import Protocol
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.controller_request import ControllerRequest
 from robots_controller.control.followed_motion import Border, FollowedMotion
 from robots_controller.control.span import Span
 from robots_controller.control.stops.faults import PERSISTENT, Fault
@@ -23,7 +24,6 @@ from robots_core.validation import Array
 from robots_planning.timing.path_speed_cap import PathSpeedCap
 from robots_planning.trajectory import Trajectory
 
-ControllerRequest = Literal['pause', 'resume', 'cancel']
 CANCELED = 'canceled by ~/cancel'
 
 

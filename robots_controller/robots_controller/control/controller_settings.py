@@ -40,3 +40,12 @@ class ControllerSettings:
         positive(self.stream_timeout, 'stream_timeout', 's')
         if self.smoothing_time != 0.0:
             positive(self.smoothing_time, 'smoothing_time', 's')
+
+
+def checked_speed_limit(limit: float) -> float:
+    """A limit of the speed of the tool, m/s, or 0 for none.
+
+    Raises:
+        InvalidInputError: another one.
+    """
+    return 0.0 if limit == 0.0 else positive(limit, 'tool_speed_limit', 'm/s')

@@ -10,7 +10,7 @@ from uuid import uuid4
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from robots_controller.cell.contact_setup import check_one_guide, read_contact
-from robots_controller.control.speed.frame_speed_limit import checked_speed_limit
+from robots_controller.control.controller_settings import checked_speed_limit
 from robots_controller.io.cell_io import CellIo, read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_controller.io.stopping_inputs import closing_inputs, closing_texts, emergency_stop_texts

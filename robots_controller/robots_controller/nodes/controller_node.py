@@ -18,7 +18,8 @@ from std_msgs.msg import Bool, Float64
 from robots_controller.control.control_loop import CANCELED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
-from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.controller_settings import checked_speed_limit
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState

@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import KIND_OF_TOPIC, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings, settings_from_text
-from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.trajectory import Trajectory
 
 OK: Final = 0  # DiagnosticStatus.OK
 MOTION_TOPICS: Final = (
@@ -273,6 +275,8 @@ def _command(
 
 
 def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
+    from robots_planning.trajectory import Trajectory  # noqa: PLC0415  # loads the compiler
+
     columns = joint_columns(message.joint_names, robot, f'joint_trajectory {_stamp_id(message)}')
     # The first point's time is where it continues from the running motion.
     time = np.array([seconds(point.time_from_start) for point in message.points])

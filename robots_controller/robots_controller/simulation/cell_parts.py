@@ -7,8 +7,8 @@ from robots_controller.cell.contact_setup import ContactSetup, check_one_guide, 
 from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
 from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
-from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.controller_settings import ControllerSettings, checked_speed_limit
+from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.speed.speed_control import SpeedControl
 from robots_controller.control.zones.zone_guard import ZoneGuard
 from robots_controller.io.cell_io import CellIo, read_cell_io

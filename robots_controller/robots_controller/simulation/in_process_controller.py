@@ -7,9 +7,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from robots_controller.cell.ports import ControllerPort
-from robots_controller.control.control_loop import ControllerRequest, ControlLoop, ControlPort
+from robots_controller.control.control_loop import ControlLoop, ControlPort
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.controller_request import ControllerRequest
 from robots_controller.control.span import Span
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.program.turn_clock import NANOSECONDS

@@ -12,7 +12,8 @@ from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.guidance.teach_box import JOG_DEVIATION, JOG_RATE, JogAxes, TeachBox, TeachStep
+from robots_planning.guidance.jog_axes import JogAxes
+from robots_planning.guidance.teach_box import JOG_DEVIATION, JOG_RATE, TeachBox, TeachStep
 
 NOT_FOLLOWING = 'a controller that does not follow'
 

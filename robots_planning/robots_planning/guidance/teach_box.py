@@ -1,9 +1,6 @@
 """TeachBox: slow jogging of the axes or of the tool, as with the hand-held box of a robot."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,33 +10,13 @@ from robots_core.blocks.following.pose_reference import FASTEST, moved
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import POSE, POSITION, held_by, weights_of
 from robots_core.blocks.inverse_kinematics.viability import velocity_interval
-from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
 from robots_core.validation import Array, bounded_vector, finite_vector, one_of, positive, read_only
+from robots_planning.guidance.jog_axes import JOG_AXES, JogAxes
 from robots_planning.trajectory_generators.trajectory_generator import usable_fraction
-
-JogAxes = Literal['base', 'base_link', 'tool', 'world']
-JOG_AXES: tuple[JogAxes, ...] = get_args(JogAxes)
-JOG_FRAMES: Mapping[str, JogAxes] = MappingProxyType(
-    {'': 'base', 'base': 'base', 'base_link': 'base_link', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
-)
-
-
-def jog_axes(frame: str) -> JogAxes:
-    """Axes to jog a tool in, by the frame of a jog message.
-
-    Raises:
-        InvalidInputError: an unknown frame.
-    """
-    if frame not in JOG_FRAMES:
-        raise InvalidInputError(
-            f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, JOG_FRAMES))}'
-        )
-    return JOG_FRAMES[frame]
-
 
 # Of the tool's speed limits: the rest is for how a Jacobian changes in a period, and for returning.
 SPEED_RESERVE = 0.1

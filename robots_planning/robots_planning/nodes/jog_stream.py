@@ -18,8 +18,9 @@ from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.serialized_streams import ReferenceStream
 from robots_core.validation import Array
+from robots_planning.guidance.jog_axes import jog_axes
 from robots_planning.guidance.jogging import Jogging
-from robots_planning.guidance.teach_box import JOG_RATE, jog_axes
+from robots_planning.guidance.teach_box import JOG_RATE
 from robots_planning.nodes.controller_reference import ControllerReference
 
 

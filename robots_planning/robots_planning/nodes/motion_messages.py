@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from builtin_interfaces.msg import Time
 
@@ -13,7 +13,9 @@ from robots_core.ros.joint_trajectories import SerializedTrajectory, serialize_p
 from robots_core.ros.messages import NANOSECONDS, joint_values, pose_in_base
 from robots_core.validation import Array
 from robots_planning.motion_kinds import MotionKind
-from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.trajectory import Trajectory
 
 
 def target_of(
@@ -43,6 +45,8 @@ def trajectory_from_message(message: SerializedTrajectory, names: Sequence[str])
         InvalidInputError: missing joints, points without velocity or acceleration, or values that make
             no trajectory.
     """
+    from robots_planning.trajectory import Trajectory  # noqa: PLC0415  # loads the compiler
+
     times, rows = message.points(names, 'joint_trajectory')
     return Trajectory((times - times[0]) / NANOSECONDS, *rows), int(times[0]) / NANOSECONDS
 

@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from robots_controller.control.controller_settings import checked_speed_limit
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, positive
+from robots_core.validation import Array
 from robots_planning.timing.path_speed_cap import PathSpeedCap, path_times
 from robots_planning.trajectory import Trajectory
 
@@ -98,12 +99,3 @@ class FrameSpeedLimit:
         frames, _ = self._robot.kinematic_model.frame_axes(q)
         r, T = self._robot.direct_kinematics(q)
         return np.vstack([frames, r, r + self._tools @ T.T])
-
-
-def checked_speed_limit(limit: float) -> float:
-    """A limit, m/s, or 0 for none.
-
-    Raises:
-        InvalidInputError: another one.
-    """
-    return 0.0 if limit == 0.0 else positive(limit, 'tool_speed_limit', 'm/s')

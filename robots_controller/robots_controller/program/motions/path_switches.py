@@ -1,13 +1,19 @@
 """PathSwitches: when outputs are switched that belong to places on a path."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Collection, Sequence
-from typing import Any, Final
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from robots_controller.program.motions.motion_command import MotionCommand, PathSwitch
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.trajectory import Trajectory
 
 STEP: Final = 2e-3  # s, between the places of the tool from which the length of its path is computed
 MOST_STEPS: Final = 2000  # of a motion; a longer one has longer steps
@@ -101,14 +107,17 @@ def switches_on_path(
     return PathSwitches(places, trajectory.duration)
 
 
-def warm_up(direct_kinematics: Callable[[Array], tuple[Array, Array]], q: Array) -> None:
-    """Find a place at joint positions `q`, (n,) rad (m), so that all code is loaded before a robot moves.
+@cache
+def warm_up(robot: BaseRobotModel) -> None:
+    """Load all code that finds a place, which takes some tenths of a second in a fresh process.
 
-    In a fresh process that takes some tenths of a second, in which a stop would have to wait.
+    In the thread that takes the planned motions, a stop would have to wait for it.
     """
-    rest = np.zeros((2, len(q)))
+    from robots_planning.trajectory import Trajectory  # noqa: PLC0415  # loads the compiler
+
+    q, rest = robot.home, np.zeros((2, robot.num_axes))
     trajectory = Trajectory(np.array([0.0, STEP]), np.stack([q, q]), rest, rest)
-    ToolPath(trajectory, direct_kinematics, np.zeros(3), 0.0, STEP)
+    ToolPath(trajectory, robot.direct_kinematics, np.zeros(3), 0.0, STEP)
 
 
 class ToolPath:

@@ -10,7 +10,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool, Trigger
 
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.control.control_loop import ControllerRequest
+from robots_controller.control.controller_request import ControllerRequest
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
 from robots_core.ros.peers.presence import is_served
 from robots_core.ros.qos import make_publisher, subscribe

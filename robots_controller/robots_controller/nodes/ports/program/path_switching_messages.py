@@ -1,8 +1,11 @@
 """PathSwitchingMessages: plans and progress as messages to `PathSwitching`."""
 
+from __future__ import annotations
+
 import math
 import threading
 from functools import partial
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64
@@ -19,7 +22,9 @@ from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import fraction
 from robots_planning.nodes.motion_messages import trajectory_from_message
-from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.trajectory import Trajectory
 
 
 class PathSwitchingMessages:

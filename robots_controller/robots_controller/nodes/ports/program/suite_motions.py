@@ -11,7 +11,6 @@ from robots_controller.cell.program_host import WATCHED_NODES, ProgramHost
 from robots_controller.nodes.ports.program.controller_client import ControllerClient
 from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
-from robots_controller.program.motions import path_switches
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.messages import motion_result_from_message
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
@@ -32,7 +31,6 @@ class SuiteMotions:
     def report_to(self, host: ProgramHost, changed: Callable[[], None], watchdog: float) -> None:
         """Report to a program's host from now on; `changed` is called after each report."""
         node = self._node
-        path_switches.warm_up(node.robot.direct_kinematics, node.robot.home)
         PathSwitchingMessages(node, host.switching, node.robot.axes_data.names)
 
         def ended(message: DiagnosticStatus) -> None:
