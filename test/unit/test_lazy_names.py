@@ -120,10 +120,12 @@ LEAN: tuple[dict[tuple[str, ...], dict[str, str]], ...] = (
                 'robots_controller.program_check.walk',
                 'robots_controller.report.run_report',
             ),
-            'a program, simulated and recorded': (
+            'a program, simulated, recorded and reported': (
                 'import tempfile; from robots_controller.simulate import simulate\n'
+                'from robots_controller.report.run_report import run_report\n'
                 'with tempfile.TemporaryDirectory() as folder:\n'
-                f'    simulate({str(WELDING)!r}, robot="kuka_kr210_r2700", bag=f"{{folder}}/bag")'
+                f'    simulate({str(WELDING)!r}, robot="kuka_kr210_r2700", bag=f"{{folder}}/bag")\n'
+                '    assert run_report(f"{folder}/bag").ok'
             ),
         },
     },

@@ -34,6 +34,16 @@ def test_beyond_its_end_a_path_is_as_far_as_its_end():
     assert distance_to_path(np.array([[4.0, 4.0, 0.0]]), path)[0] == pytest.approx(5.0)
 
 
+@given(st.integers(0, 2**32 - 1), st.integers(2, 60), st.floats(0.0, 0.5))
+@settings(max_examples=60)
+def test_no_part_of_a_path_that_crosses_and_rests_is_nearer(seed: int, count: int, away: float):
+    random = np.random.default_rng(seed)
+    path = np.repeat(random.uniform(-1.0, 1.0, (count, 3)), random.integers(1, 4, count), axis=0)
+    points = path[random.integers(0, len(path), 20)] + away * random.uniform(-1.0, 1.0, (20, 3))
+    every = np.min([distance_to_path(points, path[k : k + 2]) for k in range(len(path) - 1)], axis=0)
+    assert distance_to_path(points, path) == pytest.approx(every, abs=1e-12)
+
+
 def _uses(**peaks: list[float]) -> dict[str, np.ndarray]:
     return {
         name: np.array(peaks.get(name, [0.1] * 10))[:, None]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from robots_controller.report.comparison import compare_runs
-from robots_controller.report.line_times import time_spans
 from robots_controller.report.motion_columns import SUMMARY
 from robots_controller.report.page.page import report_page
 from robots_controller.report.run_report import RunReport, run_report
@@ -46,7 +45,7 @@ def test_time_begins_with_the_program(report: RunReport):
 
 
 def test_spans_leave_no_moment_out(report: RunReport):
-    spans = time_spans(report.run)
+    spans = report.spans
     assert spans[0].start == 0.0
     assert spans[-1].end == report.run.duration
     assert all(before.end == after.start for before, after in pairwise(spans))
@@ -123,11 +122,16 @@ def test_distances_are_reported_with_a_scene(tmp_path: Path, report: RunReport):
     assert near.curve[:, 1].min() >= near.smallest - 1e-3
     found = run_report(report.run.source, scene=scene)
     closest = {item.motion.line: item.closest for item in found.moved}
-    assert closest[near.line] == pytest.approx(near.smallest, abs=1e-3)
-    assert min(closest.values()) >= near.smallest - 1e-3
+    assert closest[near.line] == near.smallest == min(closest.values())
     names = [name for name, _ in motion_table(found, SUMMARY).columns]
     assert 'closest mm' in names
     assert 'closest mm' not in [name for name, _ in motion_table(report, SUMMARY).columns]
+
+
+def test_the_highest_uses_of_a_run_are_at_least_those_of_its_motions(report: RunReport):
+    for quantity, use in report.uses.items():
+        assert use.ratio >= max(item.uses[quantity].ratio for item in report.moved)
+        assert use.ratio == report.signals.use[quantity].max()
 
 
 def test_a_run_is_as_fast_as_itself(report: RunReport):

@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -9,6 +11,7 @@ import numpy as np
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.recorded_run import RecordedRun
 from robots_core.blocks.collision.along_paths.joint_path import JointPath
+from robots_core.blocks.collision.results import PathProximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.validation import Array, read_only
@@ -26,8 +29,9 @@ class Clearance:
         line: Line of the motion then; 0 for none.
         first: Name of one part.
         second: Name of the other part.
-        curve: (time in s, distance in m), (k, 2).
         motions: Smallest distance of each motion of the run, m; NaN of one that did not begin.
+        path: The run.
+        collision: Of the robot in the scene.
     """
 
     smallest: float
@@ -35,8 +39,17 @@ class Clearance:
     line: int
     first: str
     second: str
-    curve: Array
-    motions: tuple[float, ...] = ()
+    motions: tuple[float, ...]
+    path: JointPath
+    collision: CollisionDetection
+
+    @cached_property
+    def curve(self) -> Array:
+        """(time in s, distance in m), (k, 2)."""
+        times = np.arange(self.path.start, self.path.end, CURVE_PERIOD)
+        found = [self.collision.distance(self.path.sample(time)) for time in times]
+        near = [(time, one.distance) for time, one in zip(times, found, strict=True) if one is not None]
+        return read_only(np.array(near).reshape(-1, 2))
 
     def describe(self) -> str:
         """One line for a person."""
@@ -61,30 +74,41 @@ def clearance(run: RecordedRun, scene: Scene) -> Clearance | None:
     collision = CollisionDetection(run.robot, scene=scene)
     q, q_dot = run.feedback
     path = JointPath(run.time, q, q_dot, run.reference[2])
-    closest = collision.closest_approach(path)
-    if closest is None:
-        return None
-    times = np.arange(run.time[0], run.time[-1], CURVE_PERIOD)
-    found = [collision.distance(path.sample(time)) for time in times]
-    curve = [(time, near.distance) for time, near in zip(times, found, strict=True) if near is not None]
+    rows = [_rows(path, motion) for motion in run.motions]
+    edges = {0, path.time.size - 1}.union(*(part for part in rows if part))
+    # Each part between two edges is searched once: motions may overlap, and there is time between them.
+    found = []
+    for first, last in pairwise(sorted(edges)):
+        values = (path.time, path.position, path.velocity, path.acceleration)
+        closest = collision.closest_approach(JointPath(*(one[first : last + 1] for one in values)))
+        if closest is None:
+            return None
+        found.append((first, last, closest))
+    closest = min((one for _, _, one in found), key=_distance)
     near = closest.proximity
-    motions = tuple(_of_motion(collision, path, motion) for motion in run.motions)
     return Clearance(
         smallest=near.distance,
         time=closest.time,
         line=next((m.line for m in run.motions if m.moved and m.start <= closest.time <= m.end), 0),
         first=near.first,
         second=near.second,
-        curve=read_only(np.array(curve).reshape(-1, 2)),
-        motions=motions,
+        motions=tuple(
+            min((_distance(one) for first, last, one in found if part[0] <= first and last <= part[-1]))
+            if part
+            else math.nan
+            for part in rows
+        ),
+        path=path,
+        collision=collision,
     )
 
 
-def _of_motion(collision: CollisionDetection, path: JointPath, motion: MotionRecord) -> float:
-    """The smallest distance while a motion runs, m; NaN if it did not begin."""
-    rows = (path.time >= motion.start) & (path.time <= motion.end)
-    if not motion.moved or rows.sum() < 2:
-        return math.nan
-    values = (path.time, path.position, path.velocity, path.acceleration)
-    closest = collision.closest_approach(JointPath(*(one[rows] for one in values)))
-    return math.nan if closest is None else closest.proximity.distance
+def _rows(path: JointPath, motion: MotionRecord) -> tuple[int, ...]:
+    """The first and the last point of a motion on the path; () of one that did not begin, or has one."""
+    first = int(np.searchsorted(path.time, motion.start))
+    last = int(np.searchsorted(path.time, motion.end, side='right')) - 1
+    return (first, last) if motion.moved and first < last else ()
+
+
+def _distance(closest: PathProximity) -> float:
+    return closest.proximity.distance

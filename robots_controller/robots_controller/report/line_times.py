@@ -104,12 +104,17 @@ def time_spans(run: RecordedRun) -> tuple[Span, ...]:
     return tuple(_joined(spans))
 
 
-def line_times(run: RecordedRun) -> tuple[LineTime, ...]:
-    """Times of all lines that the run came to, in the program's order; their sum is the run's duration."""
+def line_times(run: RecordedRun, spans: Iterable[Span]) -> tuple[LineTime, ...]:
+    """Times of all lines that the run came to, in the program's order; their sum is the run's duration.
+
+    Args:
+        run: The run.
+        spans: Its `time_spans`.
+    """
     sources = {(point.file, point.line): point.source for point in run.program if point.line}
     spent: dict[tuple[str, int], dict[Activity, float]] = {}
     visits = Counter(place for place, _ in groupby(_places(run)))
-    for span in time_spans(run):
+    for span in spans:
         times = spent.setdefault((span.file, span.line), dict.fromkeys(ACTIVITIES, 0.0))
         times[span.activity] += span.duration
     for place in visits:  # lines that took no time to speak of

@@ -228,7 +228,7 @@ def _figures(
         orientation_error=errors[1],
         passing=passing,
         line_deviation=deviation,
-        uses={quantity: _worst(run, signals.use[quantity], part) for quantity in QUANTITIES},
+        uses={quantity: worst_use(run, signals.use[quantity], part) for quantity in QUANTITIES},
         length=float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()),
         fastest=float(signals.tool_speed[part].max()),
         deciding=deciding_limit(
@@ -239,7 +239,7 @@ def _figures(
             cartesian=motion.kind.cartesian,
         ),
         path_deviation=float(distance_to_path(way, _planned_path(run, motion)).max()),
-        lag=float(np.linalg.norm(way - signals.tool_reference[part], axis=1).max()),
+        lag=float(signals.lag[part].max()),
         energy=float(energy(run.time[part], signals.power[part]).sum()),
     )
 
@@ -254,7 +254,8 @@ def _passing(
     return Passing(float(zone_distances(run, signals, motion, near, row).min()), *motion.zone)
 
 
-def _worst(run: RecordedRun, use: Array, part: slice) -> WorstUse:
+def worst_use(run: RecordedRun, use: Array, part: slice = slice(None)) -> WorstUse:
+    """The axis that uses most of a limit in a part of a run, of how much of it the axes use, (m, n)."""
     row, axis = np.unravel_index(int(np.argmax(use[part])), use[part].shape)
     return WorstUse(run.robot.axes_data.names[axis], float(use[part][row, axis]), float(run.time[part][row]))
 

@@ -1,7 +1,6 @@
 """Path accuracy: how far points are from a path of points, references from lines and targets."""
 
-from importlib import import_module
-from typing import Final
+import math
 
 import numpy as np
 
@@ -12,27 +11,28 @@ from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import invers
 from robots_core.blocks.inverse_kinematics.hold import held_by
 from robots_core.validation import Array
 
-NEIGHBOURS: Final = 3
-"""Nearest points whose segments are compared: where a path turns sharply the nearest alone may mislead."""
-
 
 def distance_to_path(points: Array, path: Array) -> Array:
     """Distances (m,) of points (m, 3) to the nearest place of a path through points (k, 3), k >= 1.
 
     The path is straight between its points.
     """
-    tree = import_module('scipy.spatial').cKDTree(path)  # on demand: only reports of motions need it
-    near = tree.query(points, k=min(NEIGHBOURS, len(path)))[1].reshape(len(points), -1)
-    best = np.linalg.norm(points - path[near[:, 0]], axis=1)
     if len(path) < 2:
-        return np.asarray(best)
-    for first in (near - 1, near):
-        begin = np.clip(first, 0, len(path) - 2)
-        chord = path[begin + 1] - path[begin]
-        squared = np.maximum((chord**2).sum(axis=2), np.finfo(np.float64).tiny)
-        along = np.clip(((points[:, None] - path[begin]) * chord).sum(axis=2) / squared, 0.0, 1.0)
-        away = np.linalg.norm(points[:, None] - path[begin] - along[:, :, None] * chord, axis=2)
-        best = np.minimum(best, away.min(axis=1))
+        return np.asarray(np.linalg.norm(points - path[0], axis=1))
+    chords = np.diff(path, axis=0)
+    squared = np.maximum((chords**2).sum(axis=1), np.finfo(np.float64).tiny)
+    length = np.append(0.0, np.cumsum(np.linalg.norm(chords, axis=1)))
+    coarse = path[:: math.isqrt(len(path))]
+    best = np.linalg.norm(points[:, None] - coarse, axis=2).min(axis=1)
+    left, at = np.arange(len(points)), np.zeros(len(points), dtype=int)  # points, and the next chord of each
+    while left.size:
+        away = points[left] - path[at]
+        along = np.clip((away * chords[at]).sum(axis=1) / squared[at], 0.0, 1.0)
+        best[left] = np.minimum(best[left], np.linalg.norm(away - along[:, None] * chords[at], axis=1))
+        # Until the path is so much longer, no place of it can be closer.
+        near = length[at] + np.linalg.norm(away, axis=1) - best[left]
+        at = np.maximum(at + 1, np.searchsorted(length, near, side='right') - 1)
+        left, at = left[at < len(chords)], at[at < len(chords)]
     return np.asarray(best)
 
 

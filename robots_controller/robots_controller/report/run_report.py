@@ -1,13 +1,14 @@
 """RunReport: the analysis of a recorded run, which terminal, page, comparison and study show."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.clearance import Clearance, clearance
-from robots_controller.report.line_times import ACTIVITIES, LineTime, line_times
-from robots_controller.report.motion_figures import MotionFigures, motion_figures
+from robots_controller.report.line_times import ACTIVITIES, LineTime, Span, line_times, time_spans
+from robots_controller.report.motion_figures import MotionFigures, WorstUse, motion_figures, worst_use
 from robots_controller.report.recorded_run import RecordedRun, read_run
 from robots_controller.report.run_signals import RunSignals, energy
 from robots_core.blocks.collision.scene import Scene
@@ -24,10 +25,24 @@ class RunReport:
 
     run: RecordedRun
     signals: RunSignals
-    lines: tuple[LineTime, ...]
     motions: tuple[MotionFigures, ...]
     clearance: Clearance | None
     scene: Scene | None
+
+    @cached_property
+    def spans(self) -> tuple[Span, ...]:
+        """What every moment was used for, in order."""
+        return time_spans(self.run)
+
+    @cached_property
+    def lines(self) -> tuple[LineTime, ...]:
+        """Times by line, in the program's order."""
+        return line_times(self.run, self.spans)
+
+    @cached_property
+    def uses(self) -> Mapping[str, WorstUse]:
+        """By limit of `QUANTITIES`, the axis that uses most of it, in motions and between them."""
+        return {quantity: worst_use(self.run, use) for quantity, use in self.signals.use.items()}
 
     @cached_property
     def energy(self) -> Array:
@@ -43,6 +58,11 @@ class RunReport:
     def moved(self) -> tuple[MotionFigures, ...]:
         """Figures of the motions that began."""
         return tuple(item for item in self.motions if item.motion.moved)
+
+    @property
+    def farthest(self) -> MotionFigures | None:
+        """The motion on which the tool was farthest from its planned path; None if none began."""
+        return max(self.moved, key=lambda item: item.path_deviation, default=None)
 
     @property
     def ok(self) -> bool:
@@ -101,7 +121,6 @@ def run_report(
     return RunReport(
         run=run,
         signals=signals,
-        lines=line_times(run),
         motions=motions,
         clearance=distances,
         scene=surroundings,

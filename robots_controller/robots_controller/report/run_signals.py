@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -47,6 +48,11 @@ class RunSignals:
     measured: bool
     power: Array
     use: dict[str, Array]
+
+    @cached_property
+    def lag(self) -> Array:
+        """Distance of the tool to where its reference is at that time, (m,) m."""
+        return read_only(np.linalg.norm(self.tool - self.tool_reference, axis=1))
 
     @classmethod
     def of(cls, run: RecordedRun) -> RunSignals:

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
-from robots_controller.report.line_times import ACTIVITIES, LineTime, time_spans
+from robots_controller.report.line_times import ACTIVITIES, LineTime
 from robots_controller.report.motion_columns import KIND, NOTHING, Column
 from robots_controller.report.run_report import RunReport
 from robots_controller.terminal_table import Columns, TerminalTable
@@ -159,7 +159,7 @@ def trend(difference: float) -> str:
 
 def _spans(report: RunReport, line: LineTime) -> tuple[tuple[float, float], ...]:
     here = line.file, line.line
-    return tuple((span.start, span.end) for span in time_spans(report.run) if (span.file, span.line) == here)
+    return tuple((span.start, span.end) for span in report.spans if (span.file, span.line) == here)
 
 
 def _decided(change: LineChange) -> str:

@@ -26,12 +26,12 @@ _FIGURES: Final[dict[str, tuple[type, Callable[[SimulationRun, RunReport], Any]]
     'motions': (int, lambda _, report: len(report.moved)),
     'way': (float, lambda _, report: sum(motion.length for motion in report.moved)),
     'energy': (float, lambda _, report: float(report.energy.sum())),
-    'velocity_use': (float, lambda _, report: float(report.signals.use['velocity'].max())),
-    'acceleration_use': (float, lambda _, report: float(report.signals.use['acceleration'].max())),
-    'torque_use': (float, lambda _, report: float(report.signals.use['torque'].max())),
+    'velocity_use': (float, lambda _, report: report.uses['velocity'].ratio),
+    'acceleration_use': (float, lambda _, report: report.uses['acceleration'].ratio),
+    'torque_use': (float, lambda _, report: report.uses['torque'].ratio),
     'path_deviation': (
         float,
-        lambda _, report: max((motion.path_deviation for motion in report.moved), default=math.nan),
+        lambda _, report: math.nan if report.farthest is None else report.farthest.path_deviation,
     ),
     'smallest_distance': (
         float,

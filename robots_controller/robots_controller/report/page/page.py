@@ -94,8 +94,8 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
         ),
         figure('fastest', f'{report.signals.tool_speed.max():.2f} m/s', 'of the tool'),
     ]
-    if report.moved:
-        worst = max(report.moved, key=lambda item: item.path_deviation)
+    if report.farthest is not None:
+        worst = report.farthest
         found.append(
             figure(
                 'measured off path',
@@ -103,8 +103,8 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
                 f'at most, in line {report.place(worst.motion)}',
             )
         )
-        uses = [(m.uses[quantity], quantity) for m in report.moved for quantity in LIMITS]
-        use, quantity = max(uses, key=lambda item: item[0].ratio)
+        quantity = max(LIMITS, key=lambda name: report.uses[name].ratio)
+        use = report.uses[quantity]
         found.append(figure('highest use', f'{100.0 * use.ratio:.0f} %', f'{quantity} of {use.joint}'))
     if report.clearance is not None:
         near = report.clearance

@@ -6,7 +6,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.report.line_times import time_spans
 from robots_controller.report.page.page_data import PageArrays, series
 from robots_controller.report.run_report import RunReport
 from robots_core.validation import Array
@@ -20,13 +19,12 @@ MOST_SAMPLES: Final = 20_000  # of a curve: 80 s at 250 Hz; longer runs are thin
 def run_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]:
     """All panels of a run."""
     signals, run = report.signals, report.run
-    away = 1e3 * np.linalg.norm(signals.tool - signals.tool_reference, axis=1)
     panels = [
         spans_panel([('program', report)]),
         *_joint_panels(report, arrays),
         speed_panel([('tool', report)], arrays),
         lines_panel('Tool position', 'm', [(report, 'xyz', signals.tool)], arrays),
-        lines_panel('Tool behind its reference', 'mm', [(report, ('distance',), away)], arrays),
+        lines_panel('Tool behind its reference', 'mm', [(report, ('distance',), 1e3 * signals.lag)], arrays),
         lines_panel(
             'Mechanical power', 'kW', [(report, run.robot.axes_data.names, signals.power / 1e3)], arrays
         ),
@@ -74,8 +72,7 @@ def spans_panel(reports: list[tuple[str, RunReport]]) -> dict[str, Any]:
         {
             'name': name,
             'spans': [
-                [round(span.start, 4), round(span.end, 4), span.line, span.activity]
-                for span in time_spans(report.run)
+                [round(span.start, 4), round(span.end, 4), span.line, span.activity] for span in report.spans
             ],
         }
         for name, report in reports
