@@ -56,7 +56,7 @@ class RecordedBodies:
 
     def tool(self, k: int) -> Pose:
         """Pose of the gripper in the world."""
-        return self.base[k] @ Pose(*self.robot.direct_kinematics(self.joints[k]))
+        return self.base[k] @ self.robot.pose(self.joints[k])
 
     def rates(self, poses: Sequence[Pose]) -> Array:
         """Angular velocity between poses, (k - 1, 3) rad/s, world axes."""

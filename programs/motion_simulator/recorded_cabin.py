@@ -50,7 +50,7 @@ class RecordedCabin:
         """Surge, sway, heave (m), roll, pitch, yaw (rad) by the drives, (l, 6)."""
         found = []
         for q in self.drives[0]:
-            place = self.cabin.head_at(Pose(*self.robot.direct_kinematics(q)))
+            place = self.cabin.head_at(self.robot.pose(q))
             found.append([*place.r, *place.angles('zyx')[::-1]])
         return np.array(found)
 
@@ -74,7 +74,7 @@ class RecordedCabin:
         errors = []
         for row, q in zip(wanted, self.drives[0], strict=True):
             there = Pose.from_angles(row[:3], row[:2:-1])
-            errors.append(self.cabin.head_at(Pose(*self.robot.direct_kinematics(q))).distance_to(there))
+            errors.append(self.cabin.head_at(self.robot.pose(q)).distance_to(there))
         position, angle = np.array(errors).T
         return position, angle
 

@@ -69,11 +69,11 @@ class Pose:
 
     def __matmul__(self, other: Pose) -> Pose:
         """Chain: `other` is seen from this frame; the result is seen from this frame's reference."""
-        return _valid(self.r + self.T.dot(other.r), self.T.dot(other.T))  # `@` takes twice as long
+        return valid_pose(self.r + self.T.dot(other.r), self.T.dot(other.T))  # `@` takes twice as long
 
     def inverse(self) -> Pose:
         """The reference frame seen from this frame."""
-        return _valid(-self.T.T.dot(self.r), self.T.T)
+        return valid_pose(-self.T.T.dot(self.r), self.T.T)
 
     def error_to(self, target: Pose) -> Array:
         """Pose error (6,): translation (m), then rotation vector (rad), from here to `target`, base frame."""
@@ -85,8 +85,8 @@ class Pose:
         return float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
 
 
-def _valid(r: Array, T: Array) -> Pose:
-    """The pose of arrays that follow from those of other poses: without another check."""
+def valid_pose(r: Array, T: Array) -> Pose:
+    """The pose of arrays that no one else keeps and that are known to be valid: without a check."""
     pose = object.__new__(Pose)
     _set(pose, r, T)
     return pose

@@ -139,7 +139,7 @@ class PathPlanning:
         if kind.cartesian:
             if held_by(self.robot.num_axes, settings.hold) != POSE:  # the tool turns as the arm must
                 tools = (tool_section(kind, settings, trajectory.duration),)
-            start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
+            start = self.robot.pose(trajectory.position[0]) @ settings.tool_pose
             geometry = self.generator(kind, settings).geometry(start, in_base(kind, target, settings))
         try:
             motion = self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
@@ -274,7 +274,7 @@ class PathPlanning:
         home = self.robot.home
         axes = self.robot.axes_data
         near = home + np.where(home + WARM_UP_STEP < axes.upper, WARM_UP_STEP, -WARM_UP_STEP)
-        pose = Pose(*self.robot.direct_kinematics(near))
+        pose = self.robot.pose(near)
         for kind, target in ((JOINT, near), (JOINT_TO_POSE, pose), (LINE, pose)):
             # A home may be singular, and then has no line; its code is loaded all the same.
             with contextlib.suppress(RobotsError):

@@ -27,6 +27,18 @@ def test_pose_is_a_position_and_a_rotation(robot: BaseRobotModel, postures: np.n
         assert np.linalg.det(T) > 0.0
 
 
+def test_pose_is_that_of_direct_kinematics_and_stays_so(robot: BaseRobotModel, postures: np.ndarray):
+    poses = [robot.pose(q) for q in postures]
+    for q, pose in zip(postures, poses, strict=True):
+        expected = Pose(*robot.direct_kinematics(q))
+        np.testing.assert_array_equal(pose.r, expected.r)
+        np.testing.assert_array_equal(pose.T, expected.T)
+        assert not pose.r.flags.writeable
+        assert not pose.T.flags.writeable
+    with pytest.raises(InvalidInputError):
+        robot.pose(np.full(robot.num_axes, np.nan))
+
+
 def test_poses_at_many_joint_positions_are_those_at_each(robot: BaseRobotModel, postures: np.ndarray):
     for some in (postures, postures[:0], np.asfortranarray(postures)):
         r, T = robot.tool_poses(some)

@@ -45,7 +45,7 @@ class MeasuredRobot(ProgramRobot):
 
     def direct_kinematics(self, q: Array) -> Pose:
         """See `ProgramRobot`."""
-        return Pose(*self._robot.direct_kinematics(q))
+        return self._robot.pose(q)
 
     def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
         """See `ProgramRobot`."""

@@ -237,7 +237,7 @@ class CellClient:
     def tool_pose(self) -> Pose:
         """Pose of the tool that is set, seen from the base that is set, at the measured positions."""
         tool, base = (frame(values, name) for name, values in self._frames.items())
-        return base.inverse() @ Pose(*self.robot.direct_kinematics(self.q)) @ tool
+        return base.inverse() @ self.robot.pose(self.q) @ tool
 
     @property
     def commander(self) -> Commander:

@@ -52,7 +52,7 @@ class FrameMeasuring:
                 key='all_touched',
                 count=NEEDED[sequence],
             )
-        self.points[sequence].append(Pose(*self._robot.direct_kinematics(q)))
+        self.points[sequence].append(self._robot.pose(q))
 
     def remove(self, sequence: Sequence, index: int) -> None:
         """Forget a point, counted from 0, to touch it again; but for a tool, those after it too."""

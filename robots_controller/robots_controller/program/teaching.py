@@ -11,7 +11,6 @@ from robots_controller.program.files.file_history import FileHistory
 from robots_controller.program.files.taught_points import TaughtPoint, points_text, read_points
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files.user_file import read_text
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 
@@ -97,7 +96,7 @@ class Teaching:
                 'the name of the point is empty; valid is a text, such as P1', key='unnamed_point'
             )
         points = self.points(points_file)
-        points[name] = TaughtPoint(read_only(q), Pose(*self._robot.direct_kinematics(q)))
+        points[name] = TaughtPoint(read_only(q), self._robot.pose(q))
         return {points_file: points_text(points)}
 
 

@@ -255,7 +255,7 @@ def _command(
     elif hasattr(message, 'position'):
         names = list(message.name)
         q = read_only(np.array([message.position[names.index(name)] for name in robot.axes_data.names]))
-        pose = Pose(*robot.direct_kinematics(q))
+        pose = robot.pose(q)
     else:
         target = message.poses[-1].pose if hasattr(message, 'poses') else message.pose
         p, o = target.position, target.orientation

@@ -16,7 +16,6 @@ from robots_controller.report.path_accuracy import distance_to_path, line_deviat
 from robots_controller.report.recorded_run import RecordedRun
 from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals, energy
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_angle, held_by
-from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_core.wording.rounding import apart
 from robots_planning.trajectory import Trajectory
@@ -215,7 +214,7 @@ def _figures(
     if motion.ok and motion.own:
         stood = (run.reference if motion.followed else run.feedback)[0][part][-1]
         tool, target = motion.settings.tool_pose, motion.tool_target
-        position, _ = (Pose(*run.robot.direct_kinematics(stood)) @ tool).distance_to(target)
+        position, _ = (run.robot.pose(stood) @ tool).distance_to(target)
         hold = POSE if motion.q is not None else held_by(run.robot.num_axes, motion.settings.hold)
         errors = position, held_angle(run.robot, stood, tool, target, hold)
     elif motion.ok:

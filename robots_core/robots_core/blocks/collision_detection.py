@@ -21,7 +21,6 @@ from robots_core.blocks.collision.robot_solids import held_solids, robot_solids
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.solids import Solid, solids_of
 from robots_core.errors import InvalidInputError
-from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, one_of, positive, read_only
@@ -312,7 +311,7 @@ class CollisionDetection:
             # Of several pairs below their margins, the one farthest below.
             bounds = self._set.distances(np.arange(margins.size), margins + RESOLUTION)
             found = self._proximity(int(np.argmin(bounds - margins)))
-        tool0 = Pose(*self.robot.direct_kinematics(q))
+        tool0 = self.robot.pose(q)
         return PathProximity(time, path.fraction(time), read_only(q), tool0, found)
 
     def _place(self, q: ArrayLike) -> None:

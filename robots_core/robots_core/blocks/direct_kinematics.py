@@ -34,40 +34,44 @@ class DirectKinematics:
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
-        return Pose(*self.robot.direct_kinematics(q)) @ self.tool
+        return self.robot.pose(q) @ self.tool
 
     def jacobian(self, q: Array) -> Array:
         """Geometric Jacobian (6, n) at the tool point, base frame: linear rows (m/s), then angular (rad/s).
-
-        A point at p = T r_tool from tool0 moves with v + omega x p, hence J_v - [p]x J_omega.
 
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
         _, T = self.robot.direct_kinematics(q)
-        jacobian = self.robot.jacobian(q)
-        return _shifted(jacobian, T @ self.tool.r)
+        return shifted_jacobian(self.robot.jacobian(q), T @ self.tool.r)
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """Time derivative (6, n) of `jacobian` for joint velocities `q_dot` (n,).
-
-        d/dt (J_v - [p]x J_omega) with dp/dt = omega x p.
 
         Raises:
             InvalidInputError: an argument of another shape or not finite.
         """
         jacobian_der = self.robot.jacobian_der(q, q_dot)
         _, T = self.robot.direct_kinematics(q)
-        omega_jacobian = self.robot.jacobian(q)[3:]
-        p = T @ self.tool.r
-        p_dot = np.cross(omega_jacobian @ q_dot, p)
-        shifted = _shifted(jacobian_der, p)
-        shifted[:3] -= np.cross(p_dot, omega_jacobian, axisb=0).T
-        return shifted
+        return shifted_jacobian_der(jacobian_der, self.robot.jacobian(q), q_dot, T @ self.tool.r)
 
 
-def _shifted(jacobian: Array, p: Array) -> Array:
-    """The Jacobian of a point at `p` (3,) from the point of `jacobian` (6, n)."""
+def shifted_jacobian(jacobian: Array, p: Array) -> Array:
+    """The Jacobian of a point at `p` (3,) from the point of `jacobian` (6, n).
+
+    A point at p moves with v + omega x p, hence J_v - [p]x J_omega.
+    """
     shifted = jacobian.copy()
     shifted[:3] -= np.cross(p, jacobian[3:], axisb=0).T
+    return shifted
+
+
+def shifted_jacobian_der(jacobian_der: Array, jacobian: Array, q_dot: Array, p: Array) -> Array:
+    """Time derivative of `shifted_jacobian`, of those of the Jacobian and the Jacobian itself, (6, n).
+
+    d/dt (J_v - [p]x J_omega) with dp/dt = omega x p.
+    """
+    p_dot = np.cross(jacobian[3:] @ q_dot, p)
+    shifted = shifted_jacobian(jacobian_der, p)
+    shifted[:3] -= np.cross(p_dot, jacobian[3:], axisb=0).T
     return shifted

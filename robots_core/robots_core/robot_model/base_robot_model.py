@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from robots_core.errors import NoAnalyticInverseKinematicsError
-from robots_core.pose import Pose
+from robots_core.pose import Pose, valid_pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.robot_model.model_parts import (
@@ -112,6 +112,11 @@ class BaseRobotModel(ABC):
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
+
+    def pose(self, q: Array) -> Pose:
+        """`direct_kinematics` as a pose, which needs no check."""
+        r, T = self.direct_kinematics(q)
+        return valid_pose(r.copy(), T.copy())
 
     def tool_poses(self, q: Array) -> tuple[Array, Array]:
         """`direct_kinematics` at many joint positions, equal to rounding.

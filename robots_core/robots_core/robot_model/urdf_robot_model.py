@@ -201,7 +201,7 @@ class UrdfRobotModel(BaseRobotModel):
         # Imported on first use: without it no compiled code is needed.
         chain = import_module('robots_core.kernels.serial_chain')
         zero = np.zeros(self._n)
-        tool0, J = Pose(*self.direct_kinematics(zero)), self.jacobian(zero)
+        tool0, J = self.pose(zero), self.jacobian(zero)
         return chain.SerialChain.at_zero(tool0, J, self._axes_data.prismatic).arrays, chain.tool_poses
 
     @cached_property

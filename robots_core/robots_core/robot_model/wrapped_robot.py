@@ -30,6 +30,7 @@ class WrappedRobot(BaseRobotModel):
     orientation_convention = _as_the_robot_has('orientation_convention')
     base_link = _as_the_robot_has('base_link')
     direct_kinematics = _as_the_robot_has('direct_kinematics')
+    pose = _as_the_robot_has('pose')
     tool_poses = _as_the_robot_has('tool_poses')
     jacobian = _as_the_robot_has('jacobian')
     jacobian_der = _as_the_robot_has('jacobian_der')

@@ -321,7 +321,7 @@ class TeachBox:
         return twist
 
     def _tool_pose(self, q: Array) -> Pose:
-        return Pose(*self.robot.direct_kinematics(q)) @ self.tool
+        return self.robot.pose(q) @ self.tool
 
     def _tool_speed(self, q: Array, q_dot: Array) -> float:
         twist = self.robot.jacobian(q) @ q_dot

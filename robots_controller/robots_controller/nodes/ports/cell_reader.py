@@ -31,7 +31,6 @@ from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.cell_interface.operating_modes import Commander, OperatingMode
-from robots_core.pose import Pose
 from robots_core.ros.messages import (
     diagnostic_values,
     joint_values,
@@ -188,7 +187,7 @@ class CellReader:
     def _show_tool(self, q: Array, time: float) -> None:
         before, passed = self._observer.state.tool, time - self._joints_time
         self._joints_time = time
-        pose = Pose(*self._node.robot.direct_kinematics(q)) @ self._observer.state.settings.tool_pose
+        pose = self._node.robot.pose(q) @ self._observer.state.settings.tool_pose
         moved = 0.0 if before is None else float(np.linalg.norm(pose.r - before.r))
         self.show(tool=pose, **({'tool_speed': moved / passed} if passed > 0.0 else {}))
 

@@ -87,7 +87,7 @@ def step_command(
         target = np.array(q)
         target[jog.index] += way
         return MotionCommand(JOINT, 0, '', q=read_only(axes.check_position(target, 'q')), settings=settings)
-    pose = Pose(*robot.direct_kinematics(q)) @ state.settings.tool_pose
+    pose = robot.pose(q) @ state.settings.tool_pose
     way_of = way * jog.direction()
     turn = rotation_from_vector(way_of[3:])
     if jog.frame == 'tool':

@@ -49,7 +49,7 @@ class PlannedPrimitive:
             return self
         middle = 0.5 * (1.0 + self.progress(q)) * self.trajectory.duration
         posture = self.trajectory.sample(np.array([middle]))[0][0]
-        via = Pose(*robot.direct_kinematics(posture)) @ self.tool
+        via = robot.pose(posture) @ self.tool
         return replace(self, primitive=replace(self.primitive, target=(via, target[-1])))
 
     def scaled(self, override: float, *, last: bool) -> MotionPrimitive:

@@ -85,7 +85,7 @@ def _shapes(robot: BaseRobotModel) -> tuple[Shape, ...]:
 def _flange(robot: BaseRobotModel) -> Pose:
     """Pose of tool0 in the frame of the last axis."""
     r, T = robot.kinematic_model.frame_axes(robot.home)
-    return Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
+    return Pose(r[-1], T[-1]).inverse() @ robot.pose(robot.home)
 
 
 def _part(

@@ -86,4 +86,4 @@ def tool_solid(robot: BaseRobotModel, position: Array) -> Solid:
 def flange(robot: BaseRobotModel) -> Pose:
     """Pose of tool0 in the frame of the last axis."""
     r, T = robot.kinematic_model.frame_axes(robot.home)
-    return Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
+    return Pose(r[-1], T[-1]).inverse() @ robot.pose(robot.home)

@@ -77,7 +77,7 @@ class PoseFollowing(ABC):
 
     def pose(self, q: Array) -> Pose:
         """Pose of the tool centre point."""
-        return Pose(*self.robot.direct_kinematics(q)) @ self.tool
+        return self.robot.pose(q) @ self.tool
 
 
 class ConstrainedFollowing(PoseFollowing):
@@ -162,5 +162,5 @@ def pose_following(
         else HeldInverseKinematics(robot, tool=tool, hold=hold, restarts=0)
     )
     # Compiled code is loaded here and not in the first step of a real-time loop.
-    numerical.solve(Pose(*robot.direct_kinematics(robot.home)) @ tool, robot.home)
+    numerical.solve(robot.pose(robot.home) @ tool, robot.home)
     return JointFollowing(robot, dt, tool, hold, lambda pose, q: numerical.solve(pose, q).q)

@@ -5,12 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
-from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.direct_kinematics import shifted_jacobian, shifted_jacobian_der
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.chain_dynamics import ChainDynamics, chain_dynamics_of
-from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 
 
@@ -29,7 +28,6 @@ class FunctionDynamics(Dynamics):
     def _prepare(self) -> None:
         self._loses = bool(self._losses.any())
         self._loads = self.payload.mass > 0.0 or bool(self.payload.inertia.any())
-        self._tool = DirectKinematics(self.robot, tool=Pose(self.payload.center, np.eye(3)))
 
     def _use_base(self, base: BaseMotion) -> None:
         if base.turns:
@@ -61,12 +59,14 @@ class FunctionDynamics(Dynamics):
 
     def _add_payload(self, q: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
         mass = self.payload.mass
-        J = self._tool.jacobian(q)
-        T = self._tool.forward(q).T
+        _, T = self.robot.direct_kinematics(q)
+        J, J_der = self.robot.jacobian(q), self.robot.jacobian_der(q, q_dot)
+        center = T @ self.payload.center
         inertia = T @ self.payload.inertia @ T.T
-        linear, angular = J[:3], J[3:]
         # Acceleration of the payload while no axis accelerates.
-        drift = self._tool.jacobian_der(q, q_dot) @ q_dot
+        drift = shifted_jacobian_der(J_der, J, q_dot, center) @ q_dot
+        shifted = shifted_jacobian(J, center)
+        linear, angular = shifted[:3], shifted[3:]
         omega = angular @ q_dot
         M += mass * linear.T @ linear + angular.T @ inertia @ angular
         tau_aux += mass * linear.T @ (drift[:3] - self._fall)

@@ -96,7 +96,7 @@ class WheelContact:
 
     def of_robot(self, robot: BaseRobotModel, q: Array) -> ContactStep:
         """The contact of a robot at joint positions (n,), rad (m)."""
-        return self.step(Pose(*robot.direct_kinematics(q)))
+        return self.step(robot.pose(q))
 
     def step(self, tool: Pose) -> ContactStep:
         """The contact of a tool at its next pose in the base frame.

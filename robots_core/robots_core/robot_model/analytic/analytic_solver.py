@@ -102,13 +102,13 @@ class AnalyticSolver:
         for solution in solutions:
             q = solution.copy()
             for _ in range(POLISH_STEPS):
-                error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
+                error = self._robot.pose(q).error_to(pose)
                 if np.abs(error).max() <= POLISHED:
                     break
                 # Minimum-norm least squares, for the smallest motion in singularities.
                 q += np.linalg.lstsq(self._robot.jacobian(q), error, rcond=SINGULAR_RATIO)[0]
             np.clip(q, self._lower, self._upper, out=q)
-            error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
+            error = self._robot.pose(q).error_to(pose)
             if np.abs(error).max() <= POLISH_DROP:
                 kept.append(q)
         return np.array(kept).reshape(-1, 6)
