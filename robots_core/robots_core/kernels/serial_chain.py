@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import atan2, cos, sin, sqrt
@@ -66,9 +65,7 @@ class SerialChain:
         """
         chain = _CHAINS.get(robot)
         if chain is None:
-            zero = np.zeros(robot.num_axes)
-            tool0 = Pose(*robot.direct_kinematics(zero))
-            chain = cls.at_zero(tool0, robot.jacobian(zero), robot.axes_data.prismatic)
+            chain = cls._at_zero(robot)
             _check(chain, robot)
             _CHAINS[robot] = chain
         if tool is None:
@@ -77,9 +74,10 @@ class SerialChain:
         return replace(chain, r=read_only(tip.r), T=read_only(tip.T))
 
     @classmethod
-    def at_zero(cls, tool0: Pose, J: Array, prismatic: Sequence[bool]) -> SerialChain:
-        """The chain by its pose and its Jacobian (6, n) at q = 0."""
-        slides = np.array(prismatic)
+    def _at_zero(cls, robot: BaseRobotModel) -> SerialChain:
+        """The chain by the robot's pose and its Jacobian at q = 0."""
+        zero, slides = np.zeros(robot.num_axes), np.array(robot.axes_data.prismatic)
+        tool0, J = Pose(*robot.direct_kinematics(zero)), robot.jacobian(zero)
         directions = np.where(slides, J[:3], J[3:]).T
         # A point p turns with v = w x (r - p); the nearest such p to r is r - v x w.
         points = np.where(slides[:, None], 0.0, tool0.r - np.cross(J[:3].T, J[3:].T))

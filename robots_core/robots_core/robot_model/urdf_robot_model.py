@@ -200,9 +200,7 @@ class UrdfRobotModel(BaseRobotModel):
         """The chain for compiled code, see `ChainArrays`, and its `tool_poses`."""
         # Imported on first use: without it no compiled code is needed.
         chain = import_module('robots_core.kernels.serial_chain')
-        zero = np.zeros(self._n)
-        tool0, J = self.pose(zero), self.jacobian(zero)
-        return chain.SerialChain.at_zero(tool0, J, self._axes_data.prismatic).arrays, chain.tool_poses
+        return chain.SerialChain.of(self).arrays, chain.tool_poses
 
     @cached_property
     def home(self) -> Array:

@@ -321,7 +321,8 @@ class TeachBox:
         return twist
 
     def _tool_pose(self, q: Array) -> Pose:
-        return self.robot.pose(q) @ self.tool
+        pose: Pose = self.robot.pose(q) @ self.tool
+        return pose
 
     def _tool_speed(self, q: Array, q_dot: Array) -> float:
         twist = self.robot.jacobian(q) @ q_dot
