@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
+from robots_controller.cell import program_host
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_core import Pose
@@ -170,6 +173,17 @@ def test_plans_are_looked_at_only_where_outputs_are_switched(bench: Bench) -> No
     bench.switching.progress(1.0, 0.5)
     bench.switching.finish('1', ok=True)
     assert not bench.switched
+
+
+@pytest.mark.parametrize(('blend', 'distances', 'loads'), [(0.0, (), 0), (0.1, (), 1), (0.0, (0.5,), 1)])
+def test_what_a_plan_with_switches_needs_is_loaded_before_the_motion_is_sent(
+    monkeypatch: pytest.MonkeyPatch, blend: float, distances: tuple[float, ...], loads: int
+) -> None:
+    calls: list[str] = []
+    monkeypatch.setattr(program_host, 'warm_up', lambda _: calls.append('load'))
+    host = Mock(_files={}, program=Mock(stopping=False), motions=Mock(send=lambda _: calls.append('send')))
+    program_host.ProgramHost.command(host, replace(command(LENGTH, *distances), blend=blend))
+    assert calls == [*['load'] * loads, 'send']
 
 
 def test_without_a_valid_plan_outputs_switch_at_the_end(bench: Bench) -> None:

@@ -352,6 +352,7 @@ class ProgramHost(CellPort):
         if not motions:
             self.program.switch_output(change)
             return
+        warm_up(self._robot)
         self.switching.switch_at_target(motions[-1], change)
         if motions[-1] not in self.program.motions:  # it has ended meanwhile
             self._switch_left(motions[-1], ok=True)
