@@ -2,94 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from robots_controller.control.control_loop import CANCELED, ControlLoop
-from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.control_loop import CANCELED
+from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.stops.faults import Fault
 from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import CommandRefusedError, NotNowError, RobotsError
 
-from .two_axes import quintic, two_axes
-
-PERIOD = 0.004
-AXES = two_axes((4.0, 3.0))
-START, GOAL = np.zeros(2), np.array([0.4, -0.2])
-
-
-class Rig:
-    """A control loop with drives that follow at once."""
-
-    def __init__(self, progress_every: int = 1, **options: Any) -> None:
-        settings = ControllerSettings(period=PERIOD)
-        rates = ControllerRates(1.0 / PERIOD, settings.feedback_timeout)
-        self.results: list[MotionResult] = []
-        self.progresses: list[float] = []
-        self.refusals: list[str] = []
-        self.stops: list[StopState] = []
-        self.enabled: list[bool] = []
-        self.loop = ControlLoop(
-            Controller(AXES, settings), rates, self, progress_every=progress_every, **options
-        )
-        self.checks = 0
-        self.q = START
-        self.run(1)
-
-    def begin(self, *, paused: bool) -> None:
-        """Move from `START` to `GOAL`, and pause on the way."""
-        self.loop.follow(quintic(START, GOAL, 1.0), '1')
-        self.run(100)
-        if paused:
-            self.loop.request('pause')
-            self.run(100)
-
-    def result(self, result: MotionResult) -> None:
-        self.results.append(result)
-
-    def progress(self, progress: float) -> None:
-        self.progresses.append(progress)
-
-    def stream_refused(self, error: RobotsError, _now: float) -> None:
-        self.refusals.append(str(error))
-
-    def run_enabled(self, *, enabled: bool) -> None:
-        self.enabled.append(enabled)
-
-    def stop_changed(self, state: StopState) -> None:
-        self.stops.append(state)
-
-    @property
-    def now(self) -> float:
-        return self.loop.cycle * PERIOD
-
-    def run(self, periods: int) -> None:
-        for _ in range(periods):
-            self.checks += self.loop.feedback_due
-            reference = self.loop.step(self.now, self.q if self.loop.feedback_due else None)
-            assert reference is not None
-            self.q = reference[0].copy()
-            self.loop.report()
-
-    def run_until_result(self) -> MotionResult:
-        while not self.results:
-            self.run(1)
-            assert self.loop.cycle < 10_000
-        return self.results.pop(0)
+from .control_rig import GOAL, PERIOD, START, ControlRig
+from .two_axes import quintic
 
 
 @pytest.fixture
-def rig() -> Rig:
-    return Rig()
+def rig() -> ControlRig:
+    return ControlRig()
 
 
-def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> None:
+def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: ControlRig) -> None:
     rig.loop.request('pause')
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     assert not rig.loop.controller.speed.paused
@@ -102,14 +36,14 @@ def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> N
     np.testing.assert_allclose(rig.q, GOAL, atol=1e-12)
 
 
-def test_motions_end_in_their_order(rig: Rig) -> None:
+def test_motions_end_in_their_order(rig: ControlRig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.loop.follow(quintic(GOAL, START, 1.0), '2')
     assert [rig.run_until_result().id for _ in range(2)] == ['1', '2']
     np.testing.assert_allclose(rig.q, START, atol=1e-12)
 
 
-def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
+def test_a_trajectory_that_starts_elsewhere_is_refused(rig: ControlRig) -> None:
     rig.loop.follow(quintic(GOAL, START, 1.0), '1')
     rig.run(1)
     (result,) = rig.results
@@ -118,7 +52,7 @@ def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize('paused', [False, True])
-def test_a_cancellation_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
+def test_a_cancellation_gives_up_all_motions_and_ends_a_pause(rig: ControlRig, paused: bool) -> None:  # noqa: FBT001
     rig.begin(paused=paused)
     rig.loop.follow(quintic(GOAL, START, 1.0), '2')
     rig.loop.request('cancel')
@@ -132,7 +66,7 @@ def test_a_cancellation_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: 
     assert rig.run_until_result().ok
 
 
-def test_a_cancellation_for_a_reason_leaves_a_pause(rig: Rig) -> None:
+def test_a_cancellation_for_a_reason_leaves_a_pause(rig: ControlRig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
     rig.loop.request('pause')
@@ -142,7 +76,7 @@ def test_a_cancellation_for_a_reason_leaves_a_pause(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize('paused', [False, True])
-def test_a_stop_holds_until_its_reset_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
+def test_a_stop_holds_until_its_reset_and_ends_a_pause(rig: ControlRig, paused: bool) -> None:  # noqa: FBT001
     rig.begin(paused=paused)
     rig.loop.stop('a person')
     assert rig.run_until_result().message == 'a person'
@@ -155,7 +89,7 @@ def test_a_stop_holds_until_its_reset_and_ends_a_pause(rig: Rig, paused: bool) -
     assert rig.run_until_result().ok
 
 
-def test_a_stop_of_a_robot_that_stands_holds_too(rig: Rig) -> None:
+def test_a_stop_of_a_robot_that_stands_holds_too(rig: ControlRig) -> None:
     rig.run(1)
     rig.loop.stop('a person')
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
@@ -165,7 +99,7 @@ def test_a_stop_of_a_robot_that_stands_holds_too(rig: Rig) -> None:
     assert rig.run_until_result().ok
 
 
-def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:
+def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: ControlRig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
     rig.loop.watch(Fault.EMERGENCY_STOP, 'button')
@@ -188,7 +122,7 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
     assert rig.stops[-1] == StopState()
 
 
-def test_no_motion_and_no_stream_starts_without_what_is_awaited(rig: Rig) -> None:
+def test_no_motion_and_no_stream_starts_without_what_is_awaited(rig: ControlRig) -> None:
     rig.loop.wait_for('no sign of life of the guard yet')
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.loop.stream(StreamPoint(START, START, START, rig.now + PERIOD), '2')
@@ -206,7 +140,7 @@ def test_no_motion_and_no_stream_starts_without_what_is_awaited(rig: Rig) -> Non
 
 @pytest.mark.parametrize('share', [1.0, 0.5])
 def test_a_motion_does_not_go_on_after_its_controller_was_frozen(share: float) -> None:
-    rig = Rig(watchdog=0.2, processor_share=lambda: share)
+    rig = ControlRig(watchdog=0.2, processor_share=lambda: share)
     rig.loop.pass_over(1000)  # of a robot that stands
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(50)
@@ -232,7 +166,7 @@ def test_a_motion_does_not_go_on_after_its_controller_was_frozen(share: float) -
 def test_half_the_override_takes_twice_the_time() -> None:
     durations = []
     for override in (1.0, 0.5):
-        rig = Rig()
+        rig = ControlRig()
         rig.loop.set_override(override)
         rig.run(1000)
         before = rig.loop.cycle
@@ -243,7 +177,7 @@ def test_half_the_override_takes_twice_the_time() -> None:
     assert durations[1] - durations[0] == pytest.approx(1.0, abs=0.01)
 
 
-def test_progress_never_falls_and_both_ends_are_reported(rig: Rig) -> None:
+def test_progress_never_falls_and_both_ends_are_reported(rig: ControlRig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run_until_result()
     begin = rig.progresses.index(0.0)
@@ -252,7 +186,7 @@ def test_progress_never_falls_and_both_ends_are_reported(rig: Rig) -> None:
 
 
 def test_progress_is_reported_as_often_as_it_is_wanted() -> None:
-    rare, often = Rig(progress_every=10), Rig()
+    rare, often = ControlRig(progress_every=10), ControlRig()
     for rig in (rare, often):
         rig.loop.follow(quintic(START, GOAL, 1.0), '1')
         rig.run_until_result()
@@ -261,14 +195,14 @@ def test_progress_is_reported_as_often_as_it_is_wanted() -> None:
     assert len(rare.progresses) == pytest.approx(len(often.progresses) / 10, abs=3)
 
 
-def test_a_point_that_is_refused_is_reported_and_moves_nothing(rig: Rig) -> None:
+def test_a_point_that_is_refused_is_reported_and_moves_nothing(rig: ControlRig) -> None:
     rig.loop.stream(StreamPoint(np.array([9.0, 0.0]), START, START, rig.now + PERIOD), 's')
     rig.run(10)
     assert len(rig.refusals) == 1
     np.testing.assert_array_equal(rig.q, START)
 
 
-def test_a_stream_is_followed_and_ends_with_a_result(rig: Rig) -> None:
+def test_a_stream_is_followed_and_ends_with_a_result(rig: ControlRig) -> None:
     velocity = np.array([0.1, 0.0])
     begin = rig.now
     for _ in range(100):
@@ -280,7 +214,7 @@ def test_a_stream_is_followed_and_ends_with_a_result(rig: Rig) -> None:
     assert rig.run_until_result().id == 's'
 
 
-def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
+def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: ControlRig) -> None:
     rig.run(100)
     rig.checks = 0
     rates = ControllerRates(1.0 / PERIOD, rig.loop.controller.settings.feedback_timeout)
@@ -291,7 +225,7 @@ def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
     assert rig.run_until_result().ok
 
 
-def test_a_release_is_the_reset_of_its_own_fault_alone(rig: Rig) -> None:
+def test_a_release_is_the_reset_of_its_own_fault_alone(rig: ControlRig) -> None:
     loop, stops = rig.loop, rig.loop.controller.stops
     loop.watch(Fault.DEACTIVATED, 'not active')
     rig.run(5)
@@ -313,7 +247,7 @@ def test_a_release_is_the_reset_of_its_own_fault_alone(rig: Rig) -> None:
     assert stops.state == StopState()
 
 
-def test_a_release_is_refused_while_the_robot_moves_or_another_cause_is_there(rig: Rig) -> None:
+def test_a_release_is_refused_while_the_robot_moves_or_another_cause_is_there(rig: ControlRig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(50)
     with pytest.raises(NotNowError, match='still moving'):
@@ -329,7 +263,7 @@ def test_a_release_is_refused_while_the_robot_moves_or_another_cause_is_there(ri
     ('fault', 'stays'), [(Fault.COLLISION_GUARD_LOST, True), (Fault.CONTROLLER_LOST, False)]
 )
 def test_a_lost_node_stops_the_robot_and_some_must_be_back_before_a_reset(
-    rig: Rig, fault: Fault, *, stays: bool
+    rig: ControlRig, fault: Fault, *, stays: bool
 ) -> None:
     rig.loop.node_changed(fault, 'silent')
     rig.run(5)
@@ -345,7 +279,9 @@ def test_a_lost_node_stops_the_robot_and_some_must_be_back_before_a_reset(
 
 
 @pytest.mark.parametrize('commander', [Commander.PENDANT, Commander.PROGRAM])
-def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(rig: Rig, commander: Commander) -> None:
+def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(
+    rig: ControlRig, commander: Commander
+) -> None:
     authority = rig.loop.controller.speed.authority
     authority.commander = commander
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
@@ -359,7 +295,7 @@ def test_a_lost_commander_loses_the_robot_and_that_of_a_pendant_stops(rig: Rig, 
     assert result.message == ('reached' if result.ok else 'silent')
 
 
-def test_who_takes_the_robot_over_stops_it_unless_it_has_the_robot_already(rig: Rig) -> None:
+def test_who_takes_the_robot_over_stops_it_unless_it_has_the_robot_already(rig: ControlRig) -> None:
     authority = rig.loop.controller.speed.authority
     rig.loop.take(Commander.REMOTE)
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
@@ -376,7 +312,7 @@ def test_who_takes_the_robot_over_stops_it_unless_it_has_the_robot_already(rig: 
 
 
 def test_cycles_that_have_nothing_to_do_may_be_left_out() -> None:
-    rig, other = Rig(), Rig()
+    rig, other = ControlRig(), ControlRig()
     steps = 0
     while rig.loop.cycle < 200:
         rig.loop.pass_over(rig.loop.idle_cycles)
@@ -394,7 +330,7 @@ def test_cycles_that_have_nothing_to_do_may_be_left_out() -> None:
 
 
 def test_a_request_and_a_moving_robot_leave_out_nothing() -> None:
-    rig = Rig()
+    rig = ControlRig()
     rig.run(1)
     assert rig.loop.idle_cycles > 0
     rig.loop.set_override(0.5)
@@ -406,7 +342,7 @@ def test_a_request_and_a_moving_robot_leave_out_nothing() -> None:
 
 
 def test_a_loop_that_waits_is_woken_by_whatever_comes() -> None:
-    loop = Rig().loop
+    loop = ControlRig().loop
     assert not loop.wait(0.0)
     loop.request('pause')
     assert loop.wait(60.0)
