@@ -50,7 +50,7 @@ ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance:$$PWD/test/support
 INSTALL = export -n PYTHONPATH; \
   [ -x .venv/bin/uv ] || .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
   .venv/bin/uv pip install $$([ -t 2 ] || echo --quiet) --python .venv/bin/python $(1) \
-  || .venv/bin/python -m pip install --quiet --disable-pip-version-check $(1)
+  || .venv/bin/python -m pip install $$([ -t 2 ] || echo --quiet) --disable-pip-version-check $(1)
 
 .PHONY: help
 help:  ## Show this list
@@ -58,7 +58,7 @@ help:  ## Show this list
 
 $(VENV_STAMP): $(REQUIREMENTS)
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v <= (3, 13) else f"error: Python {v[0]}.{v[1]} found, needed is 3.11 to 3.13 (make PYTHON=python3.12 ...)")'
-	@echo "Installing the requirements into .venv, once: 1.3 GB on the disk, a minute or two ..."
+	@echo "Installing the requirements into .venv, once: 1.2 GB on the disk, a minute or two ..."
 	@# One that was made before ROS was installed, or after, is of another Python.
 	@$(PYTHON) -m venv $(if $(wildcard $(OTHER_VENV_STAMP)),--clear) .venv
 	@$(call INSTALL,$(addprefix -r ,$(REQUIREMENTS)))
@@ -74,6 +74,7 @@ EXTRAS := study mujoco plant pendant
 	@touch $@ $(EXTRAS:%=.venv/.installed_%)
 
 $(EXTRAS:%=.venv/.installed_%): .venv/.installed_%: requirements-%.txt $(VENV_STAMP)
+	@echo "Installing $< (once) ..."
 	@$(call INSTALL,-r $<)
 	@touch $@
 

@@ -74,7 +74,11 @@ def _compile_in_parallel(jobs: Sequence[Callable[[], None]]) -> None:
     Jobs begin in their order: the first compiles what others share, the second shares little with it. The
     machine code is kept on disk.
     """
-    print(f'Compiling {len(jobs)} groups of functions, about a minute on two processors ...', flush=True)
+    print(
+        f'Compiling {len(jobs)} groups of functions, about a minute on two processors '
+        'without what was compiled before ...',
+        flush=True,
+    )
     start = time.monotonic()
     with ProcessPoolExecutor(mp_context=get_context('spawn')) as pool:
         running = {pool.submit(job): job.__name__.replace('_', ' ') for job in jobs}
