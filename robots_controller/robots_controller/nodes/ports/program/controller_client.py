@@ -98,6 +98,7 @@ class ControllerClient:
     def _on_answer(self, answered: threading.Event, future: Any) -> None:
         answer = future.result()
         if self._taken and answer is not None and not answer.success:
+            self._taken = False  # the program asks again when it is resumed
             self._host.lose_robot(answer.message)
             self._changed()
         answered.set()
