@@ -119,3 +119,16 @@ def test_at_the_stamp_of_a_deadline_it_is_over_and_not_a_nanosecond_before(start
     assert stamp / NANOSECONDS >= clock.deadline
     if start < 10**15:  # later, a double does not hold nanoseconds
         assert (stamp - 2) / NANOSECONDS < clock.deadline
+
+
+def test_a_program_begins_in_a_turn_of_its_own_at_the_instant_in_which_it_was_started(turns: Turns) -> None:
+    def work() -> None:
+        turns.clock.program_begins()
+        turns.note('program')
+
+    with turns.program(work):
+        turns.note('cell')
+        assert turns.clock.waiting
+        assert turns.clock.deadline_stamp == turns.stamp
+        turns.clock.yield_to_program()
+    assert turns.log == [('cell', 1_000_000_000), ('program', 1_000_000_000)]

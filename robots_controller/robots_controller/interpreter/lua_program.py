@@ -306,6 +306,7 @@ class LuaProgram(ProgramState):
     # -- the program's thread -----------------------------------------------------------------------
 
     def _run(self, source: LuaSource) -> None:
+        self.clock.program_begins()
         view = RobotView(
             self._convention,
             self.prismatic,

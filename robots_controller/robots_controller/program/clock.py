@@ -34,8 +34,11 @@ class Clock:
         else:
             condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
 
+    def program_begins(self) -> None:
+        """The program begins, in its thread; on a clock shared in turns it waits for its first turn."""
+
     def program_started(self) -> None:
-        """The program has begun in its thread; a clock shared in turns lets it work until it waits."""
+        """The program's thread was started; the cell continues when the program waits."""
 
     def program_ended(self) -> None:
         """The program has ended and does not wait any longer."""

@@ -68,10 +68,17 @@ class TurnClock(Clock):
         """Wait as `Clock.wait` says: the cell has the turn until it gives it back."""
         if self._ended:
             return
-        self._waits_in, self.waiting = condition, True
         # A wait whose rest is smaller than the rounding of the time would never end.
         shortest = (self._stamp() + 1) / NANOSECONDS
-        self.deadline = math.inf if deadline is None else max(deadline, shortest)
+        self._wait_for_turn(condition, math.inf if deadline is None else max(deadline, shortest))
+
+    def program_begins(self) -> None:
+        """See `Clock`: it gets its turn at this instant, when what starts it has been done everywhere."""
+        with self._condition:
+            self._wait_for_turn(self._condition, self.now())
+
+    def _wait_for_turn(self, condition: threading.Condition, deadline: float) -> None:
+        self._waits_in, self.deadline, self.waiting = condition, deadline, True
         self._program_has_turn = False
         self._cell_turn.release()
         while not self._program_has_turn:
@@ -110,7 +117,7 @@ class TurnClock(Clock):
     # -- the cell's thread ------------------------------------------------------------------------
 
     def program_started(self) -> None:
-        """Let the program that was just started work until it waits or ends."""
+        """Wait until the program that was just started waits for its first turn."""
         self._ended = False
         self._cell_turn.acquire()
 
