@@ -10,7 +10,7 @@ import pytest
 from robots_controller.nodes.controller.controller_rest import ControllerRest
 from robots_core.periodic.resting_rate import RestingRate
 
-from .test_control_loop import PERIOD, Rig
+from .control_rig import PERIOD, ControlRig
 
 BETWEEN_LOOKS = 0.0399  # s
 
@@ -18,7 +18,7 @@ BETWEEN_LOOKS = 0.0399  # s
 @pytest.mark.parametrize('health_every', [7, 25])
 @pytest.mark.parametrize('first', range(0, 25, 6))
 def test_health_and_signs_of_life_are_looked_at_in_time(health_every: int, first: int) -> None:
-    rig = Rig()
+    rig = ControlRig()
     rig.run(first)
     resting = RestingRate(10, 0)
     references: Any = SimpleNamespace(resting=resting, pass_over=resting.pass_over)
