@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 Number = bool | int | float
 
@@ -66,20 +66,17 @@ class Arrival:
     lost: int = 0
 
 
-class IoPort:
+class IoPort(Protocol):
     """One partner of rows. None of the methods blocks, except `finish` for as long as it may."""
 
     def kind(self, place: Any) -> str:
         """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
-        raise NotImplementedError
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call, in order."""
-        return ()
 
     def lost(self) -> int:
         """Values since the last call that came faster than they could be sent or taken, at least."""
-        return 0
 
     def send(self, values: Mapping[Any, Number]) -> None:
         """Write values, in this order and after those of earlier calls.
@@ -89,11 +86,9 @@ class IoPort:
 
     def problems(self) -> Mapping[str, str]:
         """What is wrong with this port now, each with a key that stays while the problem does."""
-        return {}
 
     def news(self) -> Sequence[str]:
         """What is to be logged once: connected again, values lost, since the last call."""
-        return ()
 
     def finish(self, end: float) -> None:
         """Wait until the partner has what was sent, at most until a time of `time.monotonic`, s."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from threading import Condition, Thread
 from typing import Any, Final
 
-from robots_controller.io.bridge.io_port import Arrival, IoPort, Number, Place
+from robots_controller.io.bridge.io_port import Arrival, Number, Place
 from robots_controller.io.io_map import IoRow
 from robots_controller.io.plant.plant_link import LinkError, PlantLink
 from robots_controller.io.plant.protocols import PlantServer
@@ -80,8 +80,8 @@ class WaitingWrites:
         self._queue.append({place: value for place, value in self._newest.items() if place in places})
 
 
-class PlantConnection(IoPort):
-    """Keeps a link open: reads, writes in order, and opens it again after ever longer pauses.
+class PlantConnection:
+    """See `IoPort`. Keeps a link open: reads, writes in order, and opens it again after ever longer pauses.
 
     `wake` is called in another thread when values have arrived or the state has changed.
     """
