@@ -26,8 +26,8 @@ class ProgramPort(Protocol):
         """Give an output a value."""
 
 
-class PendantPort(ProgramPort, Protocol):
-    """Commands of an operator. Methods of the second group wait for an answer as those of `ProgramPort`."""
+class JogPort(Protocol):
+    """Motions while a button is held; from any thread."""
 
     def jog_axes(self, velocity: Array) -> None:
         """Jog the axes with velocities (n,), rad/s (m/s), for the planner's timeout."""
@@ -50,6 +50,10 @@ class PendantPort(ProgramPort, Protocol):
     def reference(self) -> Array | None:
         """Where the robot shall be now, (n,), rad (m); None while no controller says so."""
 
+
+class OperatorPort(ProgramPort, Protocol):
+    """What else an operator commands. `set_parameters` and `force` wait for an answer, as `ProgramPort`."""
+
     def feedback(self) -> MeasuredMotion | None:
         """The newest measured positions and torques; None where there are none, or none are new."""
 
@@ -62,10 +66,12 @@ class PendantPort(ProgramPort, Protocol):
     def stop(self) -> None:
         """Stop the program and the robot."""
 
-    # -- with an answer -----------------------------------------------------------------------------------
-
     def set_parameters(self, node: str, **values: object) -> None:
         """Set parameters of a node of the cell."""
 
     def force(self, channel: Channel, value: float | None) -> None:
         """Force an input to a value; None releases it."""
+
+
+class PendantPort(OperatorPort, JogPort, Protocol):
+    """All of it."""

@@ -94,26 +94,26 @@ class PendantLink(ProgramLink):
         self._services.send(TAKE, SetBool, SetBool.Request(data=False))
 
     def jog_axes(self, velocity: Array) -> None:
-        """See `PendantPort`."""
+        """See `JogPort`."""
         stamp = self._node.get_clock().now().to_msg()
         self._joints.publish(BUILD.joint_state(stamp, self._names, q_dot=velocity))
 
     def jog_tool(self, twist: Array, frame: JogFrame) -> None:
-        """See `PendantPort`."""
+        """See `JogPort`."""
         stamp = self._node.get_clock().now().to_msg()
         self._twists.publish(BUILD.twist_stamped(stamp, np.asarray(twist), frame))
 
     def hold_run(self, *, held: bool) -> None:
-        """See `PendantPort`."""
+        """See `JogPort`."""
         self._holds.publish(Bool(data=held))
 
     def reference(self) -> Array | None:
-        """See `PendantPort`."""
+        """See `JogPort`."""
         newest = self._reference.newest()
         return None if newest is None else newest[0]
 
     def feedback(self) -> MeasuredMotion | None:
-        """See `PendantPort`."""
+        """See `OperatorPort`."""
         message = self._feedback.take()
         if message is None:
             return None
@@ -124,24 +124,24 @@ class PendantLink(ProgramLink):
         return None if tau is None else MeasuredMotion(seconds(message.header.stamp), q, tau)
 
     def show_ghost(self, q: Array | None) -> None:
-        """See `PendantPort`; without positions the ghost is gone."""
+        """See `OperatorPort`; without positions the ghost is gone."""
         self._ghosts.publish(JointState() if q is None else BUILD.joint_state(0, self._names, q))
 
     def set_override(self, value: float) -> None:
-        """See `PendantPort`."""
+        """See `OperatorPort`."""
         self._overrides.publish(Float64(data=float(value)))
 
     def stop(self) -> None:
-        """See `PendantPort`; both nodes are asked, whatever else does not answer."""
+        """See `OperatorPort`; both nodes are asked, whatever else does not answer."""
         for service in STOPS:
             self._services.send(service)
 
     def set_parameters(self, node: str, **values: object) -> None:
-        """See `PendantPort`."""
+        """See `OperatorPort`."""
         set_parameters(self._services, node, **values)
 
     def force(self, channel: Channel, value: float | None) -> None:
-        """See `PendantPort`."""
+        """See `OperatorPort`."""
         if value is None:
             self._io.release(channel.name)
         else:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robots_controller.pendant.jog.jog_command import JogCommand
 from robots_controller.pendant.jog.pendant_motion import Preview, step_command
-from robots_controller.pendant.pendant_port import PendantPort
+from robots_controller.pendant.pendant_port import JogPort
 from robots_controller.pendant.pendant_state import STARTABLE, PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.motions.motion_command import MotionCommand
@@ -104,7 +104,7 @@ class HeldButton:
     def __init__(
         self,
         robot: BaseRobotModel,
-        port: PendantPort,
+        port: JogPort,
         now: Callable[[], float],
         check: Callable[[str, Action], None],
     ) -> None:
@@ -233,7 +233,7 @@ class HeldButton:
         self._stop(held)
 
 
-def standing(port: PendantPort, state: PendantState) -> Array:
+def standing(port: JogPort, state: PendantState) -> Array:
     """Where the robot stands, (n,), rad (m): its reference, so that steps add up.
 
     Raises:
