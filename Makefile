@@ -234,7 +234,7 @@ benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions aro
 
 .PHONY: benchmark-programs
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
-	@$(RUN) python test/benchmark/benchmark_programs.py
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/support" python test/benchmark/benchmark_programs.py
 
 .PHONY: benchmark-pendant
 benchmark-pendant: build .venv/.installed_tests  ## The operator's page in Chromium: until usable, a press until the robot moves, ten viewers, memory for DURATION=3600 s

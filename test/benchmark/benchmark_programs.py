@@ -27,9 +27,9 @@ from rich.table import Table
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
 
+from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import NodeDescription
-from robots_controller.program.cell_port import CellPort
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
 from robots_core.ros.running.middleware import choose_transports
@@ -73,9 +73,7 @@ def run_sandboxed(text: str, folder: Path) -> float:
     path = folder / 'loop.lua'
     path.write_text(f'setDigitalOutput(1, 1)\n{text}\nsetDigitalOutput(1, 0)\n')
     times: list[float] = []
-    cell = CellPort()
-    cell.output_changed = lambda _: times.append(time.perf_counter())  # type: ignore[method-assign]
-    program = LuaProgram(6, cell)
+    program = LuaProgram(6, CellDouble(output_changed=lambda _: times.append(time.perf_counter())))
     program.open(path)
     program.run()
     if not program.join(10.0 * PATIENCE) or program.error is not None:

@@ -8,10 +8,10 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cell_double import CellDouble
 from counted_cases import count_cases
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import CellPort
 from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_core.errors import ProgramError
 
@@ -25,8 +25,7 @@ class LuaHost:
     def __init__(self, folder: Path) -> None:
         self.commands: list[MotionCommand] = []
         self.outputs: list[OutputChange] = []
-        cell = CellPort()
-        cell.command, cell.output_changed = self._command, self.outputs.append
+        cell = CellDouble(command=self._command, output_changed=self.outputs.append)
         self.program = LuaProgram(6, cell)
         self._path = folder / 'test.lua'
 

@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from cell_double import CellDouble
 from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import CellPort
 
 DEADLINE = 120.0  # s
 TOKEN = 'the token'  # noqa: S105
@@ -86,12 +86,10 @@ class DebuggedProgram:
     def __init__(self, folder: Path, text: str) -> None:
         self.path = folder / 'test.lua'
         self.path.write_text(text)
-        cell = CellPort()
+        report = {'held_changed': 'on_held', 'printed': 'on_print', 'ended': 'on_finished'}
+        cell = CellDouble(**{name: partial(self._tell, event) for name, event in report.items()})
         self.program = LuaProgram(6, cell)
         self.server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
-        cell.held_changed = partial(self._tell, 'on_held')
-        cell.printed = partial(self._tell, 'on_print')
-        cell.ended = partial(self._tell, 'on_finished')
         self.server.start()
         self.editor = Editor(self.server.port)
 

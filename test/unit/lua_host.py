@@ -6,26 +6,15 @@ import queue
 import threading
 import time
 import weakref
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.cell_port import CellPort, ProgramRobot
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
 DEADLINE = 120.0  # s, for programs that should need milliseconds
-
-
-def cell_with(**functions: Callable[..., Any]) -> CellPort:
-    """A cell without a robot, except for some functions of its port, or of that of its robot."""
-    cell = CellPort()
-    for name, function in functions.items():
-        port = cell.robot if hasattr(cell.robot, name) else cell
-        assert callable(getattr(port, name)), name
-        setattr(port, name, function)
-    return cell
 
 
 class LuaHost:
@@ -46,14 +35,10 @@ class LuaHost:
         self.spoken = threading.Semaphore(0)
         self._folder = folder
         self._robot: queue.SimpleQueue[int | None] = queue.SimpleQueue()
-        functions = {
-            name: options.pop(name)
-            for name in tuple(options)
-            if hasattr(CellPort, name) or hasattr(ProgramRobot, name)
-        }
+        functions = {name: options.pop(name) for name in tuple(options) if hasattr(CellDouble, name)}
         self.program = LuaProgram(
             num_axes,
-            cell_with(
+            CellDouble(
                 **{
                     'command': self._command,
                     'output_changed': self.outputs.append,

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cell_double import CellDouble
 from robots_controller.editor.debug_adapter import DebugAdapter, read_messages
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
@@ -246,7 +247,7 @@ COMMANDS = ('setBreakpoints', 'pause', 'threads', 'initialize', *HELD)
 @given(commands=st.lists(st.tuples(st.sampled_from(COMMANDS) | st.text(max_size=9), JSON), max_size=20))
 def test_no_request_ends_a_session(tmp_path_factory: pytest.TempPathFactory, commands: list[tuple[str, Any]]):
     sent: list[dict[str, Any]] = []
-    program = LuaProgram(6)
+    program = LuaProgram(6, CellDouble())
     folder = tmp_path_factory.getbasetemp()
     adapter = DebugAdapter(program, sent.append, token=TOKEN, folder=folder)
     adapter.handle({'command': 'attach', 'arguments': {'token': TOKEN}})

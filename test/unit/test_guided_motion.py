@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.blocks.following.guide import Guide
 from robots_planning import RobotCommandState
 
@@ -21,7 +22,7 @@ MODES = [
 @pytest.mark.parametrize(('function', 'state', 'guide'), MODES)
 def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, state: RobotCommandState, guide: Guide):
     guides: list[Guide] = []
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), guide=guides.append)
+    host = LuaHost(tmp_path, joint_feedback=lambda: JointFeedback(np.zeros(6)), guide=guides.append)
     host.start(f"""
         print(tostring({function}(0.01)))
         print('now')
@@ -49,7 +50,7 @@ def handled(tmp_path: Path, handler: str) -> tuple[list[str], list[str]]:
     asked: list[str] = []
     host = LuaHost(
         tmp_path,
-        joint_position=lambda: np.zeros(6),
+        joint_feedback=lambda: JointFeedback(np.zeros(6)),
         guide=lambda guide: asked.append(guide.value),
         command=lambda command: (asked.append(command.function), host.program.finish_motion()),
     )
@@ -84,7 +85,7 @@ def test_an_arc_does_not_hand_the_robot_over(tmp_path: Path):
 
 def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
     checks = iter([*np.linspace(0.0, 0.5, 8), *np.full(100, 0.5)])
-    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(checks)))
+    host = LuaHost(tmp_path, joint_feedback=lambda: JointFeedback(np.full(6, next(checks))))
     assert host.run('followReference(0.001)') is None
     assert next(checks) == 0.5  # the moving ones are over
     assert len(list(checks)) < 100 - 3
@@ -93,14 +94,14 @@ def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
 def test_a_robot_that_nobody_lets_go_of_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr('robots_controller.program.motions.guided_motion.LONGEST_BRAKING', 0.3)
     checks = iter(np.linspace(0.0, 50.0, 1000))
-    host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(checks)))
+    host = LuaHost(tmp_path, joint_feedback=lambda: JointFeedback(np.full(6, next(checks))))
     error = host.fails('\njog(0.001)')
     assert 'still moves 0.3 s after the end of TEACH; something else than the program' in str(error)
     assert error.line == 2
 
 
 def test_a_stop_takes_the_robot_back(tmp_path: Path):
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6))
+    host = LuaHost(tmp_path, joint_feedback=lambda: JointFeedback(np.zeros(6)))
     host.start("print('now') followReference(1000)")
     host.wait_for_print()
     host.program.stop()

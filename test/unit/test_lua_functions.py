@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.run_state import RunState
 from robots_core import load_robot_model
 from robots_core.errors import JointLimitError, PlanningError
@@ -101,7 +102,7 @@ def test_poses_are_metres_and_degrees_of_the_convention(
 
 def test_a_convention_ends_with_its_program_and_must_exist(tmp_path: Path):
     flange = Pose.from_angles([1.0, 0.0, 1.0], [0.3, -0.7, 1.9], 'rotation_vector')
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), direct_kinematics=lambda _: flange)
+    host = LuaHost(tmp_path, joint_feedback=lambda: JointFeedback(np.zeros(6)), direct=lambda _: flange)
     read = "print(string.format('%.6f %.6f %.6f', table.unpack(getCartesianPosition(), 4)))"
     assert host.run(read) is None
     assert host.run(f"setOrientationConvention('rotation_vector') {read}") is None
@@ -116,7 +117,7 @@ def test_a_convention_ends_with_its_program_and_must_exist(tmp_path: Path):
 
 def test_a_joint_motion_has_a_reference_pose_of_its_tool_and_base(tmp_path: Path):
     robot = load_robot_model('kuka_kr210_r2700')
-    host = LuaHost(tmp_path, direct_kinematics=lambda q: Pose(*robot.direct_kinematics(q)))
+    host = LuaHost(tmp_path, direct=robot.pose)
     text = """
         ptpCartesianSpace(1, 0, 1, 0, 90, 0)
         setTool(0, 0, 0.3, 0, 0, 0) setBase(1, 0, 0, 0, 0, 90)
@@ -128,12 +129,6 @@ def test_a_joint_motion_has_a_reference_pose_of_its_tool_and_base(tmp_path: Path
     seen = Pose(r + T @ [0.0, 0.0, 0.3] - [1.0, 0.0, 0.0], T)
     base = Pose.from_angles([0.0, 0.0, 0.0], np.radians([0.0, 0.0, 90.0]))
     assert max(reference.distance_to(base.inverse() @ seen)) < 1e-12
-
-
-def test_a_cell_without_kinematics_has_no_reference_pose_of_a_joint_motion(tmp_path: Path):
-    host = LuaHost(tmp_path)
-    assert host.run('ptpCartesianSpace(1, 0, 1, 0, 90, 0) ptpJointSpaceAngles(0, 0, 0, 0, 0, 0)') is None
-    assert host.program.reference_cartesian_position is None
 
 
 def test_outputs_change_and_are_reported_once(tmp_path: Path):
@@ -292,7 +287,7 @@ def test_print_is_that_of_lua(tmp_path: Path):
         ("onAnalogInput(1, '=', 2, print)", "comparison = the string '='; valid is '<'"),
         ('onDigitalInput(1, 1, print, 0)', 'priority = 0; valid is a whole number of at least 1'),
         ("setPlanner('limited')", "joint = the string 'limited'; valid is 'collision_free', 'linear_joint'"),
-        ('getJointTorques()', 'the torques of the joints are not known here'),
+        ('getJointTorques()', 'nothing is measured here'),
         ('wait(-1)', 'time = -1 s; valid is a finite number of at least 0'),
         ('wait(print)', 'time = a function; valid is a finite number of at least 0'),
         ('setAnalogOutput(table.unpack({}, 1, 200))', '200 arguments are too many'),

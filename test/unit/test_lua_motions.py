@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import PathSwitch
 from robots_core import load_robot_model
 from robots_core.errors import PlanningError
@@ -27,8 +28,8 @@ class RobotHost(LuaHost):
         self.q = self.robot.home
         super().__init__(
             folder,
-            joint_position=lambda: self.q,
-            direct_kinematics=lambda q: Pose(*self.robot.direct_kinematics(q)),
+            joint_feedback=lambda: JointFeedback(self.q),
+            direct=self.robot.pose,
             **options,
         )
 
@@ -319,7 +320,7 @@ SWITCH = '{distance_before_end (m) | distance_after_start | time_before_end | ti
         ('setOverride(1.5)', 'value = 1.5; valid is a number in 0..1'),
         ('setPayload(-1)', 'mass = -1.0 kg must be a finite number, 0 or above'),
         ('setTool(1, 2, 3)', 'got 3 arguments, needed are 6: x (m), y (m), z (m), phi1 (deg)'),
-        ('getJointAngles()', 'the position of the robot is not known here'),
+        ('getJointAngles()', 'nothing is measured here'),
         ('getJointAngles(1)', 'got 1 arguments, needed are 0'),
     ],
 )

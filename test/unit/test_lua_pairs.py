@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
-
-from .lua_host import cell_with
 
 RUN = (
     'import sys; from robots_controller.interpreter.lua_program import LuaProgram\n'
-    'from robots_controller.program.cell_port import CellPort\n'
-    'cell = CellPort(); cell.printed = lambda text, line: print(text); program = LuaProgram(6, cell)\n'
+    'from cell_double import CellDouble\n'
+    'program = LuaProgram(6, CellDouble(printed=lambda text, line: print(text)))\n'
     'program.open(sys.argv[1]); program.run(); program.join()'
 )
 
@@ -24,7 +24,7 @@ def printed(tmp_path: Path, text: str) -> list[str]:
     lines: list[str] = []
     path = tmp_path / 'program.lua'
     path.write_text(text)
-    program = LuaProgram(6, cell_with(printed=lambda line, _: lines.append(line)))
+    program = LuaProgram(6, CellDouble(printed=lambda line, _: lines.append(line)))
     program.open(path)
     program.run()
     program.join()
@@ -38,7 +38,10 @@ def test_strings_come_in_the_same_order_in_every_process(tmp_path: Path):
     expected = sorted(f'key{i}' for i in range(1, 21))
     assert printed(tmp_path, text) == printed(tmp_path, text) == expected
     command = [sys.executable, '-c', RUN, str(tmp_path / 'program.lua')]
-    other = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    path = {'PYTHONPATH': os.pathsep.join(sys.path)}
+    other = subprocess.run(
+        command, cwd=tmp_path, env=os.environ | path, capture_output=True, text=True, check=True
+    )
     assert other.stdout.split() == expected
 
 
@@ -81,7 +84,7 @@ def test_it_is_pairs_in_all_else(tmp_path: Path, text: str, expected: list[str])
 def test_a_wrong_argument_has_the_program_s_line(tmp_path: Path):
     path = tmp_path / 'program.lua'
     path.write_text('local x\nfor k in pairs(x) do print(k) end')
-    program = LuaProgram(6)
+    program = LuaProgram(6, CellDouble())
     program.open(path)
     program.run()
     program.join()

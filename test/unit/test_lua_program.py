@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.program_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import Pose
 from robots_planning.robot_command_state import RobotCommandState
 
-from .lua_host import DEADLINE, LuaHost, cell_with
+from .lua_host import DEADLINE, LuaHost
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 MOVE = 'ptpJointSpaceAngles(0, 0, 0, 0, 0, 0)'
@@ -48,7 +49,7 @@ def test_motion_call_returns_when_the_host_says_so(tmp_path: Path):
 
 
 def test_host_that_answers_inside_the_callback(tmp_path: Path):
-    program = LuaProgram(6, cell_with(command=lambda _: program.finish_motion()))
+    program = LuaProgram(6, CellDouble(command=lambda _: program.finish_motion()))
     path = tmp_path / 'p.lua'
     path.write_text(MOVE)
     program.open(path)
@@ -61,7 +62,7 @@ def test_error_raised_by_the_host_fails_the_motion(tmp_path: Path):
     def refuse(_: object) -> None:
         raise ProgramError('not now')
 
-    program = LuaProgram(6, cell_with(command=refuse))
+    program = LuaProgram(6, CellDouble(command=refuse))
     path = tmp_path / 'p.lua'
     path.write_text(MOVE)
     program.open(path)
@@ -79,7 +80,7 @@ def test_exception_of_a_callback_ends_the_program_and_is_reported(tmp_path: Path
     def broken(*_: object) -> None:
         raise TypeError('a mistake of the host')
 
-    program = LuaProgram(6, cell_with(printed=broken, ended=ended.append))
+    program = LuaProgram(6, CellDouble(printed=broken, ended=ended.append))
     path = tmp_path / 'p.lua'
     path.write_text("while true do pcall(print, 'x') end")
     program.open(path)
@@ -266,7 +267,7 @@ def test_number_of_axes_decides_about_joint_angles(tmp_path: Path):
 )
 def test_wrong_options_are_refused(options: dict[str, object], message: str):
     with pytest.raises(InvalidInputError, match=message):
-        LuaProgram(**options)  # type: ignore[arg-type]
+        LuaProgram(cell=CellDouble(), **options)  # type: ignore[arg-type]
 
 
 def test_welding_program_is_the_papers(tmp_path: Path):

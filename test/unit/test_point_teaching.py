@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cell_double import CellDouble
 from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.files.taught_points import read_points
@@ -24,7 +25,7 @@ class Opened:
     """A program that is open, and its points file."""
 
     def __init__(self, folder: Path) -> None:
-        self.program = LuaProgram(ROBOT.num_axes)
+        self.program = LuaProgram(ROBOT.num_axes, CellDouble())
         self.teaching = PointTeaching(ROBOT, self.program)
         path = folder / 'part.lua'
         path.write_text('')
@@ -65,7 +66,7 @@ def test_nothing_is_taught_where_the_robot_does_not_stand(
     with pytest.raises(NotNowError, match=r'part\.lua runs; pause or stop it'):
         opened.teaching.teach('P1', HOME)
     with pytest.raises(ProgramError, match='no program is open'):
-        PointTeaching(ROBOT, LuaProgram(ROBOT.num_axes)).teach('P1', HOME)
+        PointTeaching(ROBOT, LuaProgram(ROBOT.num_axes, CellDouble())).teach('P1', HOME)
     assert not opened.file.exists()
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from robots_controller.control.controller_request import ControllerRequest
-from robots_controller.program.joint_feedback import JointFeedback
+from robots_controller.program.cell_port import MeasuredRobot, ProgramController
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_core.blocks.following.guide import Guide
@@ -56,7 +56,7 @@ class PlannerPort(Protocol):
         """The nodes that can end a motion: an identity each, and the node's name."""
 
 
-class ControllerPort(Protocol):
+class ControllerPort(ProgramController, Protocol):
     """Requests to the controller."""
 
     def request(self, request: ControllerRequest) -> None:
@@ -72,19 +72,9 @@ class ControllerPort(Protocol):
         """
         return
 
-    def set_override(self, value: float) -> None:
-        """Scale the speed of all motions, 0..1."""
 
-
-class RobotPort(Protocol):
-    """The robot as a program measures it."""
-
-    def joint_feedback(self) -> JointFeedback:
-        """What the robot measures now.
-
-        Raises:
-            RobotsError: no feedback.
-        """
+class RobotPort(MeasuredRobot, Protocol):
+    """The robot as a program measures it and hands it over."""
 
     def guide(self, guide: Guide) -> None:
         """Hand the robot over to a sensor or a person, or take it back (NONE).
@@ -94,8 +84,8 @@ class RobotPort(Protocol):
         """
 
 
-class ProgramObserver:
-    """The observers of a program: operators, recorders, editors. They override what they take."""
+class ProgramObserver(Protocol):
+    """The observers of a program: operators, recorders, editors."""
 
     def command_state(self, state: RobotCommandState) -> None:
         """What the robot is commanded to do."""

@@ -8,17 +8,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.cell.measured_robot import MeasuredRobot
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
 from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.cell.program_reporter import ProgramReporter
+from robots_controller.cell.robot_kinematics import RobotKinematics
 from robots_controller.cell.run_permission import RunPermission
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
-from robots_controller.program.cell_port import CellPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motions.modal_settings import PLANNING_NODE
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
@@ -35,7 +34,7 @@ WATCHED_NODES: Final = (PLANNING_NODE, 'controller_node')
 """The nodes without which no program moves the robot."""
 
 
-class ProgramHost(CellPort):
+class ProgramHost:
     """A program, its motions, the outputs that they switch, and the reports of all that.
 
     It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,
@@ -72,9 +71,9 @@ class ProgramHost(CellPort):
     ) -> None:
         self.payload, self.simulated = payload, simulated
         self.clock = clock
-        self._robot_port = robot_port
-        self._robot, self.robot = robot, MeasuredRobot(robot, robot_port)
-        self._controller, self._observer = controller, observer
+        self._robot, self.kinematics = robot, RobotKinematics(robot)
+        self.robot, self.controller = robot_port, controller
+        self._observer = observer
         self.program = LuaProgram(
             robot.num_axes,
             self,
@@ -307,7 +306,7 @@ class ProgramHost(CellPort):
 
     def command(self, command: MotionCommand) -> None:
         """See `CellPort`."""
-        self._controller.wait_for_command()
+        self.controller.wait_for_command()
         self.reporter.report_if_due()
         self._observer.command_state(self.program.command_state)
         self._files[command] = self.program.line_file
@@ -327,19 +326,15 @@ class ProgramHost(CellPort):
 
     def guide(self, guide: Guide) -> None:
         """See `CellPort`."""
-        self._controller.wait_for_command()
-        self._robot_port.guide(guide)
+        self.controller.wait_for_command()
+        self.robot.guide(guide)
         self._observer.command_state(STATE_OF_GUIDE[guide])
 
     def hold(self, *, held: bool) -> None:
         """See `CellPort`."""
         if not held and self.permission.suspended:
-            self._controller.command(taken=True)
-        self._controller.request('pause' if held else 'resume')
-
-    def set_override(self, value: float) -> None:
-        """See `CellPort`."""
-        self._controller.set_override(value)
+            self.controller.command(taken=True)
+        self.controller.request('pause' if held else 'resume')
 
     def output_changed(self, change: OutputChange) -> None:
         """See `CellPort`."""
@@ -370,7 +365,7 @@ class ProgramHost(CellPort):
         """See `CellPort`."""
         if self._unsafe:
             self.make_outputs_safe()
-        self._controller.command(taken=True)
+        self.controller.command(taken=True)
         self._report_well()
         try:
             self.permission.check()
@@ -396,7 +391,7 @@ class ProgramHost(CellPort):
     def ended(self, error: ProgramError | None) -> None:
         """See `CellPort`."""
         try:
-            self._controller.command(taken=False)
+            self.controller.command(taken=False)
             self._observer.ended(error)
             self.reporter.report()
         finally:  # even if the middleware was shut down meanwhile: the cell waits for it

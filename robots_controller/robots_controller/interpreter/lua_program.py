@@ -35,7 +35,7 @@ class LuaProgram(ProgramState):
 
     Args:
         num_axes: n.
-        cell: The cell in which the program runs; by default one without a robot.
+        cell: The cell in which the program runs.
         digital_size: Number of digital inputs, and of digital outputs.
         analog_size: Number of analog inputs, and of analog outputs.
         io_labels: Names of inputs and outputs, see `IoImage`.
@@ -49,7 +49,7 @@ class LuaProgram(ProgramState):
     def __init__(
         self,
         num_axes: int,
-        cell: CellPort | None = None,
+        cell: CellPort,
         *,
         digital_size: int = DIGITAL_SIZE,
         analog_size: int = ANALOG_SIZE,
@@ -60,7 +60,7 @@ class LuaProgram(ProgramState):
         check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        self._cell = cell or CellPort()
+        self._cell = cell
         super().__init__(
             num_axes,
             digital=digital_size,

@@ -13,7 +13,7 @@ from rich.console import Console
 from robots_controller.commands.cell_arguments import FILES
 from robots_controller.commands.cell_setup import show_substitutions, take_from_program
 from robots_controller.editor.debug_adapter_server import new_token
-from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.interpreter.lua_source import check_syntax, read_source
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
 from robots_controller.program_check.program_check import check_first, sizes_of
 from robots_core.blocks.following.following_methods import METHODS
@@ -80,7 +80,7 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     if not options.describe:
         show_substitutions(robot, console)
     if options.program:
-        LuaProgram(robot.num_axes).open(options.program)
+        check_syntax(read_source(options.program))
         if options.check:
             sizes = sizes_of(robot.num_axes, options.io, options.io_map, options.frames)
             check_first(options.program, sizes)

@@ -14,7 +14,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from robots_controller.cell.point_teaching import PointTeaching
-from robots_controller.cell.ports import ProgramObserver
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer, new_token
@@ -28,7 +27,7 @@ from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
 from robots_controller.nodes.ports.program.program_clock import LockstepTurns, ProgramClock
 from robots_controller.nodes.ports.program.suite_motions import SuiteMotions
 from robots_controller.program.joint_feedback import JointFeedback
-from robots_controller.program.motions.motion_command import OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.driver_file import Driver, read_driver
@@ -53,7 +52,7 @@ FILES: Final = ('program', 'points_file', 'frames_file')
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 
 
-class LuaProgramNode(RobotNode, ProgramObserver):
+class LuaProgramNode(RobotNode):
     """Opens, runs, pauses and stops a program; publishes what it commands, switches and prints.
 
     The program's text output goes to the log, from the child logger `print`.
@@ -290,6 +289,12 @@ class LuaProgramNode(RobotNode, ProgramObserver):
     def status(self, _state: RunState, status: Status) -> None:
         """See `ProgramObserver`."""
         self._status_publisher.publish(BUILD.status(status, self.robot_name))
+
+    def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
+        """See `ProgramObserver`; the status names it."""
+
+    def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
+        """See `ProgramObserver`; the program's status names a failure."""
 
     def outputs_changed(self, _change: OutputChange) -> None:
         """See `ProgramObserver`."""

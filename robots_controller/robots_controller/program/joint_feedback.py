@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from robots_core.errors import ProgramError
 from robots_core.validation import Array
 
 
@@ -18,3 +19,28 @@ class JointFeedback:
     position: Array
     velocity: Array | None = None
     torque: Array | None = None
+
+    @property
+    def measured_velocity(self) -> Array:
+        """The velocity.
+
+        Raises:
+            ProgramError: it is not measured.
+        """
+        if self.velocity is None:
+            raise ProgramError('the robot measures no joint speeds: its joint_states have no velocity')
+        return self.velocity
+
+    @property
+    def measured_torque(self) -> Array:
+        """The torque.
+
+        Raises:
+            ProgramError: it is not measured.
+        """
+        if self.torque is None:
+            raise ProgramError(
+                'the robot measures no torques: its joint_states have no effort; those of drives of level '
+                'rigid_body do'
+            )
+        return self.torque

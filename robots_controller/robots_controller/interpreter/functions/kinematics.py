@@ -29,7 +29,7 @@ class Kinematics(Family):
     @lua_function(JOINTS, returns=A_POSE)
     def forwardKinematics(self, *q: float) -> Result:
         """Computes the pose of the tool at joint angles."""
-        return (self._run.shown(self._run.target.seen(self._run.cell.robot.direct_kinematics(read_only(q)))),)
+        return (self._run.shown(self._run.target.seen(self._run.cell.kinematics.direct(read_only(q)))),)
 
     @lua_function(*POSE, _NEAR, returns=JOINT_NUMBERS)
     def inverseKinematics(self, *values: Any) -> Result:
@@ -51,6 +51,4 @@ class Kinematics(Family):
     def _joints(self, values: Sequence[Any]) -> Array:
         *numbers, near = values
         start = self._run.target.joints() if near is None else read_only(near)
-        return self._run.cell.robot.inverse_kinematics(
-            self._run.view.pose(numbers), start, self._run.settings
-        )
+        return self._run.cell.kinematics.inverse(self._run.view.pose(numbers), start, self._run.settings)

@@ -188,10 +188,7 @@ class Motions(Family):
     def _reference_pose(self, command: MotionCommand) -> Pose | None:
         if command.q is None:
             return command.pose
-        try:
-            return self._run.target.seen(self._run.cell.robot.direct_kinematics(command.q))
-        except RobotsError:  # a cell without kinematics; the motion itself needs none
-            return None
+        return self._run.target.seen(self._run.cell.kinematics.direct(command.q))
 
     def standstill(
         self, command: MotionCommand | None = None, condition: Condition | None = None

@@ -25,17 +25,21 @@ class Positions(Family):
     def getJointAngles(self) -> Waiting:
         """Reads the joint positions, in degrees; in metres for sliding axes."""
         yield from self._run.waits.standstill()
-        return (joints_to_program(self._run.cell.robot.joint_position(), self._run.view.prismatic),)
+        return (joints_to_program(self._run.joint_position(), self._run.view.prismatic),)
 
     @lua_function(returns=JOINT_NUMBERS)
     def getJointSpeeds(self) -> Result:
         """Reads the present joint speeds, in degrees/s, in m/s for sliding axes; does not wait."""
-        return (joints_to_program(self._run.cell.robot.joint_speeds(), self._run.view.prismatic),)
+        return (
+            joints_to_program(
+                self._run.cell.robot.joint_feedback().measured_velocity, self._run.view.prismatic
+            ),
+        )
 
     @lua_function(returns=JOINT_NUMBERS)
     def getJointTorques(self) -> Result:
         """Reads the present motor torques at the joints, in N m (N); does not wait."""
-        return (tuple(self._run.cell.robot.joint_torques().tolist()),)
+        return (tuple(self._run.cell.robot.joint_feedback().measured_torque.tolist()),)
 
     @lua_function(returns=A_POSE)
     def getCartesianPosition(self) -> Waiting:
@@ -47,9 +51,9 @@ class Positions(Family):
     def teach(self, name: str) -> Waiting:
         """Stores the present position of the robot in the points file, under a name."""
         yield from self._run.waits.standstill()
-        q = self._run.cell.robot.joint_position()
+        q = self._run.joint_position()
         points = read_points(self._run.view.points_file, self._run.state.num_axes)
-        points[name] = TaughtPoint(q, self._run.cell.robot.direct_kinematics(q))
+        points[name] = TaughtPoint(q, self._run.cell.kinematics.direct(q))
         write_points(self._run.view.points_file, points)
         return None
 

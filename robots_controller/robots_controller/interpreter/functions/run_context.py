@@ -16,6 +16,7 @@ from robots_controller.program.motions.motion_command import Kind, OutputChange
 from robots_controller.program.motions.motion_target import MotionTarget, RobotView
 from robots_controller.program.program_state import ProgramState
 from robots_core.pose import Pose
+from robots_core.validation import Array
 from robots_planning.motion_settings import CHECKS
 
 Subprogram = Callable[[str], tuple[str, str]]
@@ -93,7 +94,7 @@ class RunContext:
 
     def __post_init__(self) -> None:
         self.target = MotionTarget(self.cell)
-        self.guided = GuidedMotion(self.state, self.cell.robot.joint_position, self.cell.guide)
+        self.guided = GuidedMotion(self.state, self.joint_position, self.cell.guide)
         self.pulses = OutputPulses(self.state, lambda index, value: self.set_output('digital', index, value))
         self.values = PersistentValues(self.view.values_file, kept=not self.cell.simulated)
         self.start = self.state.clock.now()
@@ -114,7 +115,11 @@ class RunContext:
 
     def tool_pose(self) -> Pose:
         """Where the tool is, seen from the base."""
-        return self.target.seen(self.cell.robot.direct_kinematics(self.cell.robot.joint_position()))
+        return self.target.seen(self.cell.kinematics.direct(self.joint_position()))
+
+    def joint_position(self) -> Array:
+        """Measured joint positions, (n,), rad (m)."""
+        return self.cell.robot.joint_feedback().position
 
     def set_output(self, kind: Kind, index: int, value: float) -> None:
         """Switch an output."""

@@ -78,7 +78,9 @@ class Search(Family):
             index = int(fields['analog_input'])
             return Condition(lambda: not below <= run.input('analog', index) <= above)
         joint = int(fields['joint_torque']) - 1
-        return Condition(lambda: not below <= run.cell.robot.joint_torques()[joint] <= above, CHECK_PERIOD)
+        return Condition(
+            lambda: not below <= run.cell.robot.joint_feedback().measured_torque[joint] <= above, CHECK_PERIOD
+        )
 
 
 def checked_condition(table: LuaTable, sizes: Sizes) -> dict[str, float]:

@@ -103,7 +103,7 @@ class Settings(Family):
     def setOverride(self, value: float) -> None:
         """Scales the speed of all motions, also of the one under way; at 0 the robot stands still."""
         self._run.state.overrides = np.full(self._run.state.num_axes, value)
-        self._run.cell.set_override(value)
+        self._run.cell.controller.set_override(value)
 
     @lua_function(*_speeds('speed', 's'))
     def setSpeed(self, *limits: float | None) -> None:

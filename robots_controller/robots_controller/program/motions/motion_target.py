@@ -66,11 +66,11 @@ class MotionTarget:
         Raises:
             RobotsError: they are not known.
         """
-        return self._cell.robot.joint_position() if self._q is None else self._q
+        return self._cell.robot.joint_feedback().position if self._q is None else self._q
 
     def pose(self) -> Pose:
         """The target as pose of the tool seen from the base; where the robot is, if there is none."""
-        return self.seen(self._flange or self._cell.robot.direct_kinematics(self.joints()))
+        return self.seen(self._flange or self._cell.kinematics.direct(self.joints()))
 
     def seen(self, flange: Pose) -> Pose:
         """A pose of tool0 in the robot's base frame as pose of the tool seen from the program's base."""

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from robots_controller.cell.guide_recording import GuidingMessage
-from robots_controller.cell.ports import ProgramObserver
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
@@ -106,7 +105,7 @@ class MotionRecords:
         self._motions[id_] = replace(self._motions[id_], **changes)
 
 
-class CellLog(ProgramObserver):
+class CellLog:
     """Called by the thread that has the turn, see `SimulatedClock`."""
 
     def __init__(self, parts: CellParts, bag: SimulatedBag | None, clock: SimulatedClock, cost: Cost) -> None:
@@ -196,6 +195,12 @@ class CellLog(ProgramObserver):
         """See `ProgramObserver`."""
         if not id_ and error is not None:
             self.motions.refused(command, error, self._clock.elapsed)
+
+    def held_changed(self) -> None:
+        """See `ProgramObserver`; a simulation shows no editor."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """See `ProgramObserver`; the state of the program says it."""
 
     def override(self, value: float) -> None:
         """The program scales the speed."""
