@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 
@@ -56,11 +57,9 @@ class AxisLines:
         for index, name in enumerate(axes.names):
             if axes.prismatic[index]:
                 raise no_closed_form(robot.name, f'axis {index + 1} ({name}) slides, all six must turn')
-        zero = np.zeros(6)
-        points, _ = robot.kinematic_model.frame_axes(zero)
-        directions = robot.jacobian(zero)[3:].T
-        directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-        return cls(robot.name, directions, points, *robot.direct_kinematics(zero))
+        # Loads compiled code, which a robot without closed form does not need.
+        chain = import_module('robots_core.kernels.serial_chain').SerialChain.of(robot)
+        return cls(robot.name, chain.directions, chain.points, chain.r, chain.T)
 
     def common_direction(self, *axes: int) -> tuple[Array, Array, float]:
         """The direction that parallel axes share, which are counted from 1.
