@@ -13,11 +13,13 @@ from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from robots_core.base_frames import BASE_FRAME
+from robots_core.blocks.multibody.acceleration_estimate import AccelerationEstimate
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.torque_status import torque_status
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.shared_parameters import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
@@ -31,14 +33,13 @@ from robots_core.ros.qos import make_publisher, subscribe
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_core.status import Level
 from robots_core.validation import Array, finite_vector, one_of
 
 MAX_RATE = 1000.0  # Hz
 SOURCES = ('joint_states', 'joint_reference')
 UPRIGHT = [0.0, 0.0, 0.0, 1.0]
 WORLD_FRAME = 'world'
-# Between samples further apart than this no acceleration is estimated from their velocities.
-LONGEST_GAP = 0.1  # s
 
 
 class DynamicsNode(RobotNode):
@@ -60,12 +61,13 @@ class DynamicsNode(RobotNode):
             'source', 'joint_states', f'{" or ".join(SOURCES)}', read=one_of('source', SOURCES)
         )
         rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
-        self._filter_time: float = self.parameter(
+        filter_time = self.parameter(
             'filter_time',
             0.02,
             'time constant of the accelerations estimated from velocities, s',
             bounds=(0.0, 10.0),
         )
+        self._estimate = AccelerationEstimate(filter_time)
         orientation = self.parameter(
             'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', read=_orientation
         )
@@ -78,9 +80,6 @@ class DynamicsNode(RobotNode):
         subscribe(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
         if not self._floats:
             subscribe(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
-        n = self.robot.num_axes
-        self._acceleration: Array = np.zeros(n)
-        self._last: tuple[float, Array] | None = None
         self._names = list(self.robot.axes_data.names)
         self._motor_torques = make_publisher(self, JointState, 'joint_torques')
         self._bias_torques = make_publisher(self, JointState, 'bias_torques')
@@ -90,7 +89,7 @@ class DynamicsNode(RobotNode):
         kind = JointState if self._source == 'joint_states' else JointTrajectory
         self._motions = PolledSubscription(self, kind, self._source)
         self.create_timer(1.0 / rate, self._publish)
-        self.on_change('filter_time', partial(setattr, self, '_filter_time'))
+        self.on_change('filter_time', partial(setattr, self._estimate, 'filter_time'))
         self.on_change('payload', self._load)
         self.on_change('base_orientation', lambda turn: self._move_base(BaseMotion(turn)))
         self.ready()
@@ -125,19 +124,9 @@ class DynamicsNode(RobotNode):
             q = finite_vector(q, q.size, 'positions')
             q_dot = np.zeros_like(q) if q_dot is None else finite_vector(q_dot, q.size, 'velocities')
             tau = None if tau is None else finite_vector(tau, q.size, 'efforts')
-            return q, q_dot, self._accelerate(seconds(message.header.stamp), q_dot), tau
+            return q, q_dot, self._estimate.take(seconds(message.header.stamp), q_dot), tau
         q, q_dot, q_ddot = single_point(message, self._names, self._source)
         return q, q_dot, q_ddot, None
-
-    def _accelerate(self, now: float, q_dot: Array) -> Array:
-        last, self._last = self._last, (now, q_dot)
-        gap = 0.0 if last is None else now - last[0]
-        if last is None or not 0.0 < gap <= LONGEST_GAP:
-            self._acceleration = np.zeros_like(q_dot)
-        else:
-            share = gap / (gap + self._filter_time)
-            self._acceleration = self._acceleration + share * ((q_dot - last[1]) / gap - self._acceleration)
-        return self._acceleration
 
     def _publish_for(
         self, message: Any, q: Array, q_dot: Array, q_ddot: Array, measured: Array | None
@@ -155,16 +144,11 @@ class DynamicsNode(RobotNode):
         self._judge(tau if measured is None else measured)
 
     def _judge(self, tau: Array) -> None:
-        axes = self.robot.axes_data
-        part = np.abs(tau) / axes.effort
-        worst = int(part.argmax())
-        name, limit = axes.names[worst], float(axes.effort[worst])
-        values: dict[str, Any] = {'joint': name, 'torque': float(tau[worst]), 'limit': limit}
-        if part[worst] > 1.0:
-            text = f'torque of {name} is past its limit of {limit:g} {axes.unit(worst, "torque")}'
-            self.report_health(DiagnosticStatus.WARN, text, **values)
+        status = torque_status(self.robot.axes_data, tau)
+        if status.level is Level.OK:
+            self.ready(status.text, **status.values)
         else:
-            self.ready(**values)
+            self.report_health(DiagnosticStatus.WARN, status.text, **status.values)
 
 
 def _orientation(quaternion: Any) -> Array:
