@@ -16,7 +16,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
 from robots_controller.control.control_loop import CANCELED, ControlLoop
-from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.control.control_period import ControlPeriod
+from robots_controller.control.controller import Controller
+from robots_controller.control.controller_condition import REFUSAL_SHOWN, ControllerCondition
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import checked_speed_limit
 from robots_controller.control.speed.frame_speed_limit import FrameSpeedLimit
@@ -49,7 +51,7 @@ from robots_core.ros.running.run import run
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.ros.streams.serialized_readers import JointStateReader
 from robots_core.ros.streams.serialized_streams import ReferenceStream
-from robots_core.status import Status
+from robots_core.status import Level, Status
 from robots_core.validation import Array, fraction
 from robots_core.wording.safety_note import NOT_CERTIFIED
 from robots_planning.motion_settings import settings_from_text
@@ -57,7 +59,6 @@ from robots_planning.motion_settings import settings_from_text
 HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
-REFUSAL_PERIOD = 1.0  # s
 
 
 class ControllerNode(ManagedNode):
@@ -102,8 +103,7 @@ class ControllerNode(ManagedNode):
         )
         self._controller = Controller(axes, settings, speed=speed, **share)
         self._names = list(self.robot.axes_data.names)
-        self._refusal: RobotsError | None = None
-        self._refusal_time = -math.inf
+        self._condition = ControllerCondition(self._controller)
         rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
         self._control = ControlLoop(
             self._controller,
@@ -116,7 +116,7 @@ class ControllerNode(ManagedNode):
         )
         self._zones.watch(self._control)
         self._health_every = cycles(rate, HEALTH_RATE)
-        self._last_condition: tuple[bytes, str] | None = None
+        self._last_condition: object = None
 
         self._references = ReferenceStream(
             self,
@@ -131,7 +131,13 @@ class ControllerNode(ManagedNode):
         self._stop_publisher = make_publisher(self, DiagnosticStatus, 'stop_status')
         self._feedback = PolledSubscription(self, JointState, 'joint_states', raw=True)
         self._joint_states = JointStateReader(self._names)
-        self._taken = False  # the feedback of the next cycle
+        self._period = ControlPeriod(
+            self._control,
+            feedback=self._take_feedback,
+            send=self._references.publish,
+            claim=self._zones.publish_claims,
+            ahead=not self.simulated_time,
+        )
         self._fresh = FreshCommands(self, watchdog)
         intake = TrajectoryIntake(
             self, self._control, self._fresh, self._publish_result, self._report_cancellation
@@ -209,25 +215,11 @@ class ControllerNode(ManagedNode):
     # -- the loop ------------------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
-        control = self._control
-        due = control.feedback_due and not self._taken
-        reference = control.step(now, self._take_feedback() if due else None)
-        if not self._controller.stops.state.drives_on:
-            control.report_stop()  # drives that are to be switched off need not follow the reference
-        if reference is not None and (self.active or not self._controller.standing):
-            self._references.publish(reference, now)
-        control.report()
-        self._zones.publish_claims()
-        # For the next period: nothing that can wait delays a reference.
-        due = control.feedback_due and not self.simulated_time
-        position = self._take_feedback() if due else None
-        self._taken = position is not None
-        if position is not None:
-            control.take_feedback(position)
+        self._period.run(now, active=self.active)
         for watch in self._watches:
             if now >= watch.due:
                 watch.poll(now)
-        if control.cycle % self._health_every == 0:
+        if self._control.cycle % self._health_every == 0:
             self._watch_health()
             if self._foreign is not None:
                 self._foreign.poll()
@@ -256,8 +248,8 @@ class ControllerNode(ManagedNode):
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`."""
         # A refused stream continues at its rate: one line a second says enough.
-        self.journal.error(f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD)
-        self._refusal, self._refusal_time = error, now
+        self.journal.error(f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_SHOWN)
+        self._condition.stream_refused(error, now)
 
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
@@ -282,7 +274,7 @@ class ControllerNode(ManagedNode):
 
     def _watch_health(self) -> None:
         """Have a change of health reported: waking the executor is expensive."""
-        condition = self._condition()
+        condition = self._current_condition()
         if condition != self._last_condition:
             self._last_condition = condition
             if self.simulated_time:
@@ -290,19 +282,8 @@ class ControllerNode(ManagedNode):
             else:
                 self._report_due.trigger()
 
-    def _condition(self) -> tuple[bytes, str]:
-        if not self.active:
-            return DiagnosticStatus.WARN, INACTIVE
-        if self._controller.state is ControllerState.WAITING:
-            return DiagnosticStatus.WARN, 'waiting for joint_states'
-        if self._controller.stops.latched:
-            return DiagnosticStatus.ERROR, f'stopped until ~/reset: {self._controller.stops.state.reason}'
-        if self.now() - self._refusal_time < REFUSAL_PERIOD:
-            return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
-        obstacle = self._controller.obstacle
-        if hindrance := self._controller.awaited or (obstacle and f'held before {obstacle}'):
-            return DiagnosticStatus.WARN, hindrance
-        return DiagnosticStatus.OK, 'ready'
+    def _current_condition(self) -> tuple[Level, str]:
+        return self._condition.at(self.now(), '' if self.active else INACTIVE)
 
     # -- the executor's thread -----------------------------------------------------------------------
 
@@ -373,8 +354,10 @@ class ControllerNode(ManagedNode):
             # up the loop too.
             ask_for_realtime(self._executor_priority)
             self._executor_priority = 0
+        level, text = self._current_condition()
         self.report_health(
-            *self._condition(),
+            bytes([level]),
+            text,
             state=self._controller.state.value,
             missed_deadlines=self._loop.missed,
             realtime=self._loop.realtime,

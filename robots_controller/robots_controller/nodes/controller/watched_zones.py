@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -36,7 +37,6 @@ class WatchedZones:
         self._node = node
         self._control: ControlLoop | None = None
         self._publisher: Publisher | None = None
-        self._states: dict[str, ZoneState] = {}
         self._scene = scene_by_parameter(node)
         self.inputs: Closing = node.parameter(
             'zone_inputs',
@@ -70,13 +70,9 @@ class WatchedZones:
                 self._node, DiagnosticStatus, f'{other.rstrip("/")}/{TOPIC}', partial(self._on_claims, other)
             )
 
-    def publish_claims(self) -> None:
-        """Publish the claims to shared zones if they have changed; from the loop's thread."""
-        if self._publisher is None or self.guard is None:
-            return
-        states = self.guard.states
-        if states != self._states:
-            self._states = states
+    def publish_claims(self, states: Mapping[str, ZoneState]) -> None:
+        """Publish the claims to shared zones; from the loop's thread."""
+        if self._publisher is not None:
             texts: dict[str, Any] = {name: state.text() for name, state in states.items()}
             robot = self._node.robot_name
             self._publisher.publish(diagnostic_status('shared zones', '', hardware_id=robot, **texts))
