@@ -1,13 +1,17 @@
-"""GoalTolerances: how far a robot may be from the trajectory of a goal, on its path and at its end."""
+"""Tolerance: how far a robot may be from the trajectory of a goal, on its path or at its end."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
+from robots_core.errors import InvalidInputError, JointNamesError
 from robots_core.validation import Array
+
+UNLIMITED: Final = -1.0  # as in control_msgs
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +31,31 @@ class Tolerance:
         """Any error of n axes is tolerated."""
         return cls(np.full(n, np.inf), np.full(n, np.inf))
 
+    @classmethod
+    def wanted(cls, of: Iterable[tuple[str, float, float]], names: Sequence[str], what: str) -> Tolerance:
+        """Those of a client: 0 and -1 are none, as far as ours go.
+
+        Args:
+            of: Name of a joint, and the largest errors of its position and its velocity.
+            names: All joints.
+            what: For messages.
+
+        Raises:
+            JointNamesError: a joint that the robot does not have.
+            InvalidInputError: a tolerance below 0 that is not -1, or none at all.
+        """
+        tolerance = cls.none(len(names))
+        for name, position, velocity in of:
+            if name not in names:
+                raise JointNamesError(f'{what} of {name!r}; the joints are {", ".join(names)}')
+            for values, value in ((tolerance.position, position), (tolerance.velocity, velocity)):
+                if not (value >= 0.0 or value == UNLIMITED):
+                    raise InvalidInputError(
+                        f'{what} of {name} is {value:g}; valid are numbers from 0 on, and -1 for none'
+                    )
+                values[names.index(name)] = value if value > 0.0 else np.inf
+        return tolerance
+
     def violation(self, q: Array, q_dot: Array, names: Sequence[str]) -> str:
         """What is violated by errors (n,) of positions and velocities, for a person; '' if nothing is."""
         for what, error, largest in (('position', q, self.position), ('velocity', q_dot, self.velocity)):
@@ -43,27 +72,3 @@ class Tolerance:
     def given(self) -> bool:
         """It limits a position."""
         return bool(np.isfinite(self.position).any())
-
-
-@dataclass(frozen=True)
-class GoalTolerances:
-    """Those of a goal.
-
-    Attributes:
-        path: While it moves.
-        goal: At its end.
-        goal_time: How long after the end of the reference the robot may take to be there, s; 0 for any time.
-    """
-
-    path: Tolerance
-    goal: Tolerance
-    goal_time: float
-
-    def too_late(self, since_end: float) -> str:
-        """Why a robot should be there, so long (s) after the end of the reference; '' if it need not."""
-        if self.goal_time <= 0.0 or since_end <= self.goal_time:
-            return ''
-        return (
-            f'the robot is not at its goal {since_end:.3g} s after its reference, allowed is '
-            f'{self.goal_time:g} s'
-        )

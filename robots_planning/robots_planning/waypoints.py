@@ -1,5 +1,6 @@
 """Trajectories of others: from waypoints with times to a Trajectory."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
 
@@ -70,6 +71,37 @@ def trajectory_through(
     if not v[-1].any():
         a[-1] = 0.0
     return Trajectory(Trajectory.message_times(t), q, v, a)
+
+
+def trajectory_from(
+    time: Array, rows: Sequence[Array | None], start: Array, name: str, late: float = 0.0
+) -> Trajectory:
+    """The motion of a client's points; see `trajectory_through`.
+
+    Args:
+        time: From the start, (m,), s.
+        rows: Positions, velocities and accelerations, (m, n) each; None if not given. Velocities alone are
+            integrated.
+        start: Where the robot stands, (n,).
+        name: Of the trajectory, for messages.
+        late: How long ago it should have begun, s: points before are left out.
+
+    Raises:
+        InvalidInputError: no points, all of them are past, or they make no motion.
+    """
+    if len(time) == 0:
+        raise InvalidInputError(f'{name}: a trajectory needs at least one point, got none')
+    if late > 0.0:
+        if time[-1] <= late:
+            raise InvalidInputError(f'{name}: the trajectory has ended {late - time[-1]:.6g} s ago')
+        ahead = time > late
+        time, rows = time[ahead] - late, [None if row is None else row[ahead] for row in rows]
+    position, velocity, acceleration = rows
+    if position is None:
+        if velocity is None:
+            raise InvalidInputError(f'{name}: points have neither positions nor velocities')
+        position = positions_from_velocities(time, velocity, start)
+    return trajectory_through(time, position, velocity, acceleration, start)
 
 
 def positions_from_velocities(time: Array, velocity: Array, start: Array) -> Array:

@@ -7,18 +7,12 @@ import pytest
 from builtin_interfaces.msg import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.errors import RobotsError
-from robots_planning.nodes.follow_joint_trajectory import (
-    Outcome,
-    outcome_of,
-    refusal_of,
-    waypoints_trajectory,
-)
+from robots_planning.commands.goal_outcome import Outcome
+from robots_planning.nodes.follow_joint_trajectory import waypoints_trajectory
 
 # As the action of control_msgs numbers them.
-SUCCESSFUL, INVALID_GOAL, INVALID_JOINTS = 0, -1, -2
-PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = -4, -5
+INVALID_GOAL, INVALID_JOINTS = -1, -2
 NAMES = ['A1', 'A2']
 START = np.array([0.1, 0.2])
 
@@ -35,7 +29,7 @@ def goal(names: list[str], *rows: list[float], begin: int = 1) -> JointTrajector
 def refusal(message: JointTrajectory) -> Outcome:
     with pytest.raises(RobotsError) as caught:
         waypoints_trajectory(message, NAMES, START)
-    return refusal_of(caught.value)
+    return Outcome.refused(caught.value)
 
 
 def test_joints_are_matched_by_name() -> None:
@@ -66,15 +60,6 @@ def test_everything_else_that_is_refused_is_an_invalid_goal(message: JointTrajec
     assert outcome.message
 
 
-def test_ends_of_motions_are_answers() -> None:
-    reached = outcome_of(MotionResult('1.0', ok=True, message='reached'))
-    assert (reached.code, reached.message, reached.canceled) == (SUCCESSFUL, 'reached', False)
-    behind = MotionResult('1.0', ok=False, message='drive fault', details={'progress': '0.4'})
-    assert (outcome_of(behind).code, outcome_of(behind).message) == (PATH_TOLERANCE_VIOLATED, 'drive fault')
-    beside = MotionResult('1.0', ok=False, message='beside it', details={'progress': '1.0'})
-    assert outcome_of(beside).code == GOAL_TOLERANCE_VIOLATED
-
-
 def test_velocities_alone_are_integrated_from_rest() -> None:
     points = [
         JointTrajectoryPoint(velocities=velocities, time_from_start=Duration(sec=1 + number))
@@ -83,11 +68,3 @@ def test_velocities_alone_are_integrated_from_rest() -> None:
     trajectory = waypoints_trajectory(JointTrajectory(joint_names=NAMES, points=points), NAMES, START)
     np.testing.assert_allclose(trajectory.position[-1], START + np.array([0.4, 0.0]), atol=1e-12)
     np.testing.assert_allclose(trajectory.velocity[-1], [0.0, 0.0], atol=1e-12)
-
-
-def test_points_that_are_past_are_left_out() -> None:
-    message = goal(NAMES, [0.3, 0.4], [0.5, 0.6])
-    trajectory = waypoints_trajectory(message, NAMES, START, 1.5)
-    assert trajectory.duration == pytest.approx(0.5)
-    with pytest.raises(RobotsError, match=r'the trajectory has ended 1 s ago'):
-        waypoints_trajectory(message, NAMES, START, 3.0)

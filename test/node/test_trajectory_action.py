@@ -121,9 +121,8 @@ def test_goal_tolerances_decide_on_the_end(robot: ServedRobot) -> None:
     assert result.error_code == robot.action.Result.GOAL_TOLERANCE_VIOLATED
 
 
-@pytest.mark.parametrize('value', [-2.0, float('nan')])
-def test_tolerances_that_are_none_are_refused(robot: ServedRobot, value: float) -> None:
-    goal = robot.send(robot.points(shifted(robot, STEP)), path_tolerance=tolerance(robot, value))
+def test_tolerances_that_are_none_are_refused(robot: ServedRobot) -> None:
+    goal = robot.send(robot.points(shifted(robot, STEP)), path_tolerance=tolerance(robot, -2.0))
     status, result = robot.result(goal)
     assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, robot.action.Result.INVALID_GOAL)
-    assert 'valid are numbers from 0 on, and -1 for none' in result.error_string
+    assert result.error_string.startswith('path_tolerance of shoulder_pan_joint is -2; valid are numbers')

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots_planning.goal_tolerances import GoalTolerances, Tolerance
+from robots_planning.goal_tolerances import Tolerance
 
 NAMES = ['A1', 'A2']
 NONE = Tolerance.none(2)
@@ -20,9 +20,3 @@ def test_an_error_beyond_a_tolerance_is_named() -> None:
     assert NONE.violation(np.full(2, 1e9), np.full(2, 1e9), NAMES) == ''
     assert tolerance.given
     assert not NONE.given
-
-
-def test_a_robot_may_arrive_at_any_time_unless_a_time_is_given() -> None:
-    assert GoalTolerances(NONE, NONE, 0.0).too_late(1e9) == ''
-    assert GoalTolerances(NONE, NONE, 0.5).too_late(0.5) == ''
-    assert 'allowed is 0.5 s' in GoalTolerances(NONE, NONE, 0.5).too_late(0.6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_planning.waypoints import trajectory_through
+from robots_planning.waypoints import trajectory_from, trajectory_through
 
 START = np.array([0.1, -0.2])
 TIME = np.array([0.5, 1.2, 2.0])
@@ -62,3 +62,37 @@ def test_points_that_make_no_motion_are_refused(
 ) -> None:
     with pytest.raises(InvalidInputError, match=reason):
         trajectory_through(time, position, velocity, acceleration, START)
+
+
+@pytest.mark.parametrize('late', [0.0, 0.7, 1.2])
+def test_what_is_late_goes_through_the_points_that_are_left(late: float) -> None:
+    ahead = late < TIME
+    rows = POSITION, VELOCITY, ACCELERATION
+    trajectory = trajectory_from(TIME, rows, START, 'goal', late)
+    left = trajectory_through(TIME[ahead] - late, *(row[ahead] for row in rows), START)
+    for name in ('time', 'position', 'velocity', 'acceleration'):
+        np.testing.assert_array_equal(getattr(trajectory, name), getattr(left, name))
+
+
+def test_velocities_alone_lead_to_the_positions_that_they_integrate_to() -> None:
+    trajectory = trajectory_from(TIME, (None, VELOCITY, None), START, 'goal')
+    _, q_dot, _ = trajectory.sample(TIME)
+    np.testing.assert_allclose(q_dot, VELOCITY, atol=1e-12)
+    v = np.array([[0.0, 0.0], *VELOCITY])
+    way = 0.5 * np.diff(TIME, prepend=0.0) @ (v[1:] + v[:-1])
+    np.testing.assert_allclose(trajectory.position[-1], START + way, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('time', 'rows', 'late', 'complaint'),
+    [
+        (TIME[:0], (None, None, None), 0.0, 'goal: a trajectory needs at least one point, got none'),
+        (TIME, (POSITION, None, None), 3.0, 'goal: the trajectory has ended 1 s ago'),
+        (TIME, (None, None, ACCELERATION), 0.0, 'goal: points have neither positions nor velocities'),
+    ],
+)
+def test_points_of_clients_that_make_no_motion_are_refused(
+    time: np.ndarray, rows: tuple[np.ndarray | None, ...], late: float, complaint: str
+) -> None:
+    with pytest.raises(InvalidInputError, match=complaint):
+        trajectory_from(time, rows, START, 'goal', late)

@@ -1,28 +1,22 @@
 """ExecuteMotionPrimitiveSequence: PTP, LIN and CIRC of others, served where control_msgs is installed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Final
 
 from rclpy.task import Future
 from std_msgs.msg import Float64
 
 from robots_core.cell_interface.motion_result import MotionResult
-from robots_core.errors import InvalidInputError, PlanningError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.messages import BUILD, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
+from robots_planning.commands.goal_outcome import Outcome
 from robots_planning.commands.motion_planner import MotionPlanner
-from robots_planning.commands.motion_primitives import MOST_PRIMITIVES, MotionPrimitive
-from robots_planning.motion_settings import MotionSettings
-from robots_planning.nodes.one_goal_server import (
-    INVALID_GOAL,
-    SUCCESSFUL,
-    Goal,
-    OneGoalServer,
-    Outcome,
-    resolve,
-)
+from robots_planning.commands.primitive_sequence import Command, PrimitiveSequence, checked_commands
+from robots_planning.nodes.one_goal_server import Goal, OneGoalServer, resolve
 from robots_planning.nodes.primitive_messages import primitive_of
 
 ACTION: Final = 'execute_motion_primitive_sequence'
@@ -32,14 +26,9 @@ FEEDBACK_PERIOD: Final = 0.05  # s
 class SequenceGoal(Goal):
     """A goal under way; see `Goal`."""
 
-    def __init__(self, handle: Any) -> None:
+    def __init__(self, planner: MotionPlanner, handle: Any) -> None:
         super().__init__(handle)
-        self.ids: list[str] = []
-        self.open: set[str] = set()
-        """Ids of the commands that have not ended."""
-        self.failed: Outcome | None = None
-        self.index = -1
-        """Of the primitive that was reported last."""
+        self.sequence = PrimitiveSequence(planner)
 
 
 class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
@@ -71,10 +60,12 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._progresses = PolledSubscription(node, Float64, 'motion_progress')
         self._progress = 0.0
         self._timer = node.create_timer(FEEDBACK_PERIOD, self._poll, autostart=False)
-        super().__init__(node, action, ACTION, SequenceGoal)
+        super().__init__(node, action, ACTION, partial(SequenceGoal, planner))
 
     async def _run(self, goal: SequenceGoal) -> Outcome:
-        commands = self._commands(goal.handle.request.trajectory.motions)
+        messages = goal.handle.request.trajectory.motions
+        read = partial(primitive_of, pose_of=self._pose_of)
+        commands = checked_commands(messages, read, self._node.robot, self._planner.settings)
         begun = Future()
 
         def begin() -> None:
@@ -87,49 +78,27 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._take(begin)
         if (error := await begun) is not None:
             raise error
-        if goal.ids:
+        if goal.sequence.moves:
             self._timer.reset()
             await goal.done
-        return goal.stopped or goal.failed or Outcome(SUCCESSFUL, 'reached')
+        return goal.stopped or goal.sequence.outcome
 
-    def _commands(self, messages: Any) -> list[tuple[MotionPrimitive, MotionSettings]]:
-        """The motions with their settings, all checked before the first one begins."""
-        if not 0 < len(messages) <= MOST_PRIMITIVES:
-            raise InvalidInputError(
-                f'a sequence needs 1 to {MOST_PRIMITIVES} primitives, got {len(messages)}'
-            )
-        found = []
-        for index, message in enumerate(messages):
-            try:
-                primitive = primitive_of(message, self._pose_of)
-                last = index == len(messages) - 1
-                settings = primitive.settings(self._node.robot, self._planner.settings, last=last)
-            except RobotsError as error:
-                raise InvalidInputError(f'primitive {index}: {error.message}') from error
-            found.append((primitive, settings))
-        return found
-
-    def _begin(self, goal: SequenceGoal, commands: list[tuple[MotionPrimitive, MotionSettings]]) -> None:
+    def _begin(self, goal: SequenceGoal, commands: Sequence[Command]) -> None:
         if goal.stopped is not None:
             return
         self._check()
-        if self._planner.moving:
-            raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
         self._drop_progress()
         now = self._node.get_clock().now().nanoseconds
-        goal.ids = [stamp_id(BUILD.time(now + index)) for index in range(len(commands))]
-        goal.open = set(goal.ids)
-        self._commanded |= dict.fromkeys(goal.ids, goal)
-        for id_, (primitive, settings) in zip(goal.ids, commands, strict=True):
-            self._planner.command(id_, primitive.kind, primitive.target, settings)
+        ids = [stamp_id(BUILD.time(now + index)) for index in range(len(commands))]
+        goal.sequence.begin(commands, ids)
+        self._commanded |= dict.fromkeys(ids, goal)
 
     def _leave(self, goal: SequenceGoal) -> None:
         del goal
         self._timer.cancel()
 
     def _stop_goal(self, goal: SequenceGoal) -> None:
-        if goal.open:
-            self._planner.give_up('its goal was stopped')
+        if goal.sequence.give_up():
             self._stop_motion()
 
     def ended(self, result: MotionResult) -> None:
@@ -138,11 +107,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         if goal is None:
             return
         self._drop_progress()
-        goal.open.discard(result.id)
-        if not result.ok and goal.failed is None:
-            index = goal.ids.index(result.id)
-            goal.failed = Outcome(INVALID_GOAL, f'primitive {index}: {result.message}')
-        if not goal.open:
+        if goal.sequence.ended(result):
             resolve(goal.done)
 
     # -- while it moves -------------------------------------------------------------------------------
@@ -155,7 +120,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
     def _poll(self) -> None:
         """Send feedback; stop again what has come to the controller after a first stop."""
         goal = self._goal
-        if goal is None or not goal.open:
+        if goal is None or not goal.sequence.moves:
             return
         if goal.stopped is not None:
             self._stop_motion()
@@ -163,8 +128,6 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         message = self._progresses.take()
         if message is not None:
             self._progress = message.data
-        motions = self._planner.motions
-        current = motions[0].left(self._progress)[0] if motions else ''
-        if current in goal.open and (index := goal.ids.index(current)) > goal.index:
-            goal.index = index
+        index = goal.sequence.advanced(self._progress)
+        if index is not None:
             goal.handle.publish_feedback(self._action.Feedback(current_primitive_index=index))

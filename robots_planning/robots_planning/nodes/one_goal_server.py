@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from rclpy.action.server import ActionServer, CancelResponse
@@ -12,24 +12,7 @@ from std_srvs.srv import Trigger
 
 from robots_core.errors import RobotsError
 from robots_core.ros.robot_node import RobotNode
-
-# Error codes that actions of motions have in common.
-SUCCESSFUL, INVALID_GOAL = 0, -1
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """The answer to a goal.
-
-    Attributes:
-        code: The action's error code.
-        message: For a person.
-        canceled: It ended because its client asked for that.
-    """
-
-    code: int
-    message: str
-    canceled: bool = False
+from robots_planning.commands.goal_outcome import CANCELED, PREEMPTED, SUCCESSFUL, Outcome
 
 
 class Goal:
@@ -55,7 +38,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         goal: Makes a goal of a handle of rclpy.
     """
 
-    def __init__(self, node: RobotNode, action: Any, name: str, goal: type[AnyGoal]) -> None:
+    def __init__(self, node: RobotNode, action: Any, name: str, goal: Callable[[Any], AnyGoal]) -> None:
         self._node, self._action, self._make = node, action, goal
         self._goal: AnyGoal | None = None
         self._give_up = node.create_client(Trigger, 'controller_node/cancel')
@@ -72,10 +55,6 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
             RobotsError: the goal is refused.
         """
 
-    def _refusal(self, error: RobotsError) -> Outcome:
-        """Why a goal is not begun, as an answer to it."""
-        return Outcome(INVALID_GOAL, error.message)
-
     @abstractmethod
     def _stop_goal(self, goal: AnyGoal) -> None:
         """Stop the robot on its path, or do not begin; `stopped` of the goal says why."""
@@ -88,12 +67,12 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         before, goal = self._goal, self._make(handle)
         self._goal = goal
         if before is not None:
-            self._end(before, Outcome(INVALID_GOAL, 'preempted by a newer goal'))
+            self._end(before, PREEMPTED)
             await before.ended
         try:
             outcome = await self._run(goal)
         except RobotsError as error:
-            outcome = self._refusal(error)
+            outcome = Outcome.refused(error)
         finally:
             self._leave(goal)
             goal.ended.set_result(None)
@@ -111,7 +90,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         goal = self._goal
         if goal is None or goal.handle.goal_id != handle.goal_id:
             return CancelResponse.REJECT
-        self._end(goal, Outcome(SUCCESSFUL, 'canceled', canceled=True))
+        self._end(goal, CANCELED)
         return CancelResponse.ACCEPT
 
     def _end(self, goal: AnyGoal, outcome: Outcome) -> None:
