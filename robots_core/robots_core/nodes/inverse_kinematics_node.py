@@ -15,6 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
+from robots_core.blocks.following.sample_times import SampleTimes
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
@@ -28,7 +29,7 @@ from robots_core.nodes.shared_parameters import (
 )
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_in_base, twist_in_base
+from robots_core.ros.messages import nanoseconds, pose_in_base, twist_in_base
 from robots_core.ros.peers.commander_watch import CommanderWatch
 from robots_core.ros.qos import subscribe
 from robots_core.ros.robot_node import RobotNode
@@ -40,8 +41,6 @@ from robots_core.validation import Array
 REPORT_PERIOD = 0.1  # s
 REFUSAL_SHOWN = 1.0  # s
 SWITCH_INTERVAL = 1e-4  # s, as the controller's
-# Stamps from the near future come from clocks that differ a little.
-FUTURE = 0.05  # s
 
 
 class InverseKinematicsNode(RobotNode):
@@ -78,7 +77,7 @@ class InverseKinematicsNode(RobotNode):
         )
         priority = realtime_priority_parameter(self, 40)
         self._method, self._dt = method, 1.0 / rate
-        self._timeout = timeout
+        self._times = SampleTimes(timeout)
         movement = RealtimeMovement(
             self.robot, self._dt, self.robot.home, tool=tool, method=method, hold=hold, timeout=timeout
         )
@@ -90,7 +89,6 @@ class InverseKinematicsNode(RobotNode):
         )
         self._names = list(self.robot.axes_data.names)
         self._controller_state: Array | None = None
-        self._oldest = math.inf
         self._last: RealtimeStep | None = None
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
         self._refusal, self._refusal_time = '', -math.inf
@@ -154,24 +152,11 @@ class InverseKinematicsNode(RobotNode):
                 self._guidance.put_twist(twist, self._valid_at(message, now))
 
     def _valid_at(self, message: Any, now: float) -> float:
-        """When a message was valid, s on the loop's clock.
-
-        A stamp that cannot be of this machine's clock (a recording, another machine) still gives the time
-        between messages; the soonest that one ever came is taken as its delay.
-        """
+        """When a message was valid, s on the loop's clock; one without a stamp is valid now."""
         stamp = message.header.stamp
         if not stamp.sec and not stamp.nanosec:
             return now
-        nanoseconds_old = self.get_clock().now().nanoseconds - nanoseconds(stamp)
-        age: float = nanoseconds_old / NANOSECONDS
-        if not -FUTURE <= age <= self._timeout:
-            if not -self._timeout <= age - self._oldest <= self._timeout:
-                self._oldest = age
-            self._oldest = min(self._oldest, age)
-            return now - (age - self._oldest)
-        return (
-            round(now * NANOSECONDS) - nanoseconds_old
-        ) / NANOSECONDS  # in simulated time the stamp itself
+        return self._times.valid_at(now, self.get_clock().now().nanoseconds - nanoseconds(stamp))
 
     def _controller_reference(self) -> Array | None:
         """The newest valid `joint_reference`, (3, n)."""
