@@ -28,7 +28,7 @@ from robots_controller.control.stops.stop_latch import StopState
 from robots_controller.nodes.controller.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller.controller_parameters import earlier_start, settings_by_parameters
 from robots_controller.nodes.controller.controller_rest import ControllerRest
-from robots_controller.nodes.controller.watched_nodes import ForeignWriters, WatchedNodes
+from robots_controller.nodes.controller.watched_nodes import ForeignWriterWatch, WatchedNodes
 from robots_controller.nodes.controller.watched_zones import WatchedZones
 from robots_controller.nodes.ports.trajectory_intake import TrajectoryIntake
 from robots_core.cell_interface.motion_result import MotionResult
@@ -157,7 +157,7 @@ class ControllerNode(ManagedNode):
         if not self.active:
             self.give_up()
         self._watches = self._commanders.watch, self.watch
-        self._foreign = None if self.participant is not None else ForeignWriters(self, self._control)
+        self._foreign = None if self.participant is not None else ForeignWriterWatch(self, self._control)
         self._report_due = self.create_guard_condition(self.update_health)
         self._executor_priority = priority - 1
 

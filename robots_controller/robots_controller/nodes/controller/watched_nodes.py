@@ -11,9 +11,9 @@ from std_msgs.msg import UInt8MultiArray
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.stops.faults import LOST_NODES, Fault
-from robots_controller.control.stops.watched_inputs import WatchedInputs
+from robots_controller.control.stops.foreign_writers import ForeignWriters
+from robots_controller.control.stops.watched_inputs import WatchedInputs, missing_signs
 from robots_controller.io.stopping_inputs import Closing, Stopping, parse_emergency_stop, unknown_inputs
-from robots_core.cell_interface.topic_writers import WRITERS
 from robots_core.errors import InvalidInputError
 from robots_core.ros.peers.heartbeat import HeartbeatWatch
 from robots_core.ros.peers.identified_messages import publishers_are_identified
@@ -23,9 +23,6 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.wording.safety_note import NOT_CERTIFIED
 
 NODE_NAME: Final = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
-NO_IMAGE: Final = 'digital_inputs, in which the emergency stop is, has not been published yet'
-TO_DRIVES: Final = ('joint_reference', 'drives_on')
-OTHERS: Final = ('joint_states', 'joint_trajectory', 'motion_result')
 
 
 class WatchedNodes:
@@ -105,51 +102,28 @@ class WatchedNodes:
             self._changed[name](reason)
 
     def _wait(self) -> None:
-        unseen = self.heartbeats.unseen
-        missing = [
-            f'no sign of life of {name} yet: is it running?' for name in self._expected if name in unseen
-        ]
-        if self._image_awaited:
-            missing.append(NO_IMAGE)
-        awaited = '; '.join(missing)
+        awaited = missing_signs(self._expected, self.heartbeats.unseen, image=self._image_awaited)
         if awaited != self._awaited:
             self._awaited = awaited
             self._control.wait_for(awaited)
 
 
-class ForeignWriters:
-    """Looks for publishers that have no place on a topic.
-
-    Not all drives can tell references of other nodes apart. On the other topics messages of other nodes are
-    dropped, where the middleware identifies their publishers; without that, these stop the robot too.
-    """
+class ForeignWriterWatch:
+    """Looks for `ForeignWriters`."""
 
     def __init__(self, node: RobotNode, control: ControlLoop, *, identified: bool | None = None) -> None:
-        self._node, self._control = node, control
-        self._identified = publishers_are_identified() if identified is None else identified
-        self._topics = TO_DRIVES if self._identified else (*TO_DRIVES, *OTHERS)
-        self._known: dict[str, set[str]] = {}
+        self._node = node
+        identified = publishers_are_identified() if identified is None else identified
+        self._writers = ForeignWriters(control, node.get_namespace(), identified=identified)
         self._suspected = node.create_guard_condition(self._check)
 
     def poll(self) -> None:
         """Look, in the thread of a loop, whether there may be some, or no more."""
-        # Names take longer than counts, which include the node's own publishers.
-        count = self._node.count_publishers
-        if self._known or not self._identified or any(count(topic) > 1 for topic in TO_DRIVES):
+        if self._writers.suspected(self._node.count_publishers):
             self._suspected.trigger()
 
     def _check(self) -> None:
-        found = {topic: names for topic in self._topics if (names := self._foreign(topic))}
-        if found != self._known:
-            reason = '; '.join(
-                f'{", ".join(sorted(names))} publishes {topic}' for topic, names in found.items()
-            )
-            self._control.watch(Fault.FOREIGN_WRITER, reason)
-        self._known = found
-
-    def _foreign(self, topic: str) -> set[str]:
-        names = {*publishers_of(self._node, topic).values()}
-        return WRITERS[topic].foreign(names, self._node.get_namespace(), places=topic not in TO_DRIVES)
+        self._writers.check(lambda topic: {*publishers_of(self._node, topic).values()})
 
 
 def checked_name(text: str) -> str:
