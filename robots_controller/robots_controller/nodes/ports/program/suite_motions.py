@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.cell.motion_readiness import MotionReadiness
 from robots_controller.cell.program_host import WATCHED_NODES, ProgramHost
 from robots_controller.nodes.ports.program.controller_client import ControllerClient
 from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
@@ -41,9 +42,9 @@ class SuiteMotions:
         self.controller.report_to(host, changed)
         self.watch = HeartbeatWatch(node, WATCHED_NODES, watchdog, host.node_changed)
 
-    def readiness(self, expected: Sequence[str]) -> MotionReadiness:
+    def readiness(self, expected: Sequence[str]) -> SuiteReadiness:
         """What autostart waits for, with the nodes that are expected besides."""
-        return MotionReadiness(self._node, self, expected)
+        return SuiteReadiness(self._node, self, expected)
 
     def check_guide(self, guide: Guide) -> None:
         """Whatever guides the robot, planner and controller can follow."""
@@ -52,50 +53,36 @@ class SuiteMotions:
         """Motions end with the program."""
 
 
-class MotionReadiness:
-    """Whether planner and controller can move the robot.
+class SuiteReadiness:
+    """See `MotionReadiness`, and `Readiness` of `Autostart`.
 
     Args:
         node: The program's node.
         motions: Of the program.
-        expected: Further nodes that have to be there. With any, the controller has to report that it is
-            ready, as it does after their first signs of life.
+        expected: See `MotionReadiness`.
     """
 
     def __init__(self, node: RobotNode, motions: SuiteMotions, expected: Sequence[str]) -> None:
-        self._node, self._motions, self._expected = node, motions, expected
-        self._controller_works = False
-        self._troubles: dict[str, str] = {}
+        self._node, self._motions, self._readiness = node, motions, MotionReadiness(expected)
         self._subscriptions = [
             subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
             subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
         ]
 
     def _on_reference(self, _: JointTrajectory) -> None:
-        # A motion is planned from the reference: without one it would be refused.
-        self._controller_works = True
+        self._readiness.reference = True
 
     def _on_health(self, message: DiagnosticArray) -> None:
         prefix = self._node.get_namespace().rstrip('/') + '/'
         for status in message.status:
-            name = status.name.removeprefix(prefix)
-            if name in WATCHED_NODES:
-                well = status.level == DiagnosticStatus.OK
-                self._troubles[name] = '' if well else f'{name} ({status.message})'
-            elif name in self._expected:
-                self._troubles[name] = ''
+            trouble = '' if status.level == DiagnosticStatus.OK else status.message
+            self._readiness.report(status.name.removeprefix(prefix), trouble)
 
     def missing(self) -> list[str]:
         """What motions need and is not there, for people."""
-        planner, controller = self._motions.planner, self._motions.controller
-        reported = not self._expected or 'controller_node' in self._troubles
-        present = {
-            'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
-            'controller_node': self._controller_works and controller.works and reported,
-            **{name: name in self._troubles for name in self._expected},
-        }
-        missing = [name for name, there in present.items() if not there]
-        return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
+        planner = self._motions.planner
+        plans = planner.listens() and planner.configurable and bool(planner.followers())
+        return self._readiness.missing(planner=plans, controller=self._motions.controller.works)
 
     def close(self) -> None:
         """Listen no longer."""
