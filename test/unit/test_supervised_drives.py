@@ -35,6 +35,13 @@ class Rig:
         position, _ = self.supervised.step(self.now, q, q_dot, stamp)
         self.positions.append(position.copy())
 
+    def follow(self, *came: tuple[np.ndarray, np.ndarray, float] | None) -> None:
+        """A period in which these references came; None is one that is not valid."""
+        self.now += PERIOD
+        sent = [bytes([number]) for number in range(len(came))]
+        position, _ = self.supervised.follow(self.now, sent, lambda one: came[one[0]], lambda: 0.0)
+        self.positions.append(position.copy())
+
     def run(self, periods: int, q: np.ndarray | None, q_dot: np.ndarray = ZERO) -> None:
         for _ in range(periods):
             self.step(q, q_dot)
@@ -117,12 +124,14 @@ def test_references_that_stand_may_be_left_out(level: str) -> None:
     assert rig.state is DriveState.FOLLOWING
     assert rig.supervised.problem == ''
     # Before a motion the last one comes again, with the first of the motion.
-    rig.supervised.overtaken(rig.now + PERIOD, HOME, ZERO, rig.now)
+    overtaken = [(HOME, ZERO, rig.now)]
     q, q_dot = HOME, ZERO
     while (q_dot < SPEED).any():
         faster = np.minimum(q_dot + 0.9 * PERIOD * AXES.acceleration, SPEED)
         q, q_dot = q + 0.5 * PERIOD * (q_dot + faster), faster
-        both(q, q_dot)
+        rig.follow(*overtaken, (q, q_dot, rig.now + PERIOD))
+        other.step(q, q_dot)
+        overtaken = []
     np.testing.assert_array_equal(rig.positions, other.positions)
 
 
@@ -130,10 +139,21 @@ def test_a_jump_after_references_that_were_left_out_is_refused() -> None:
     rig = Rig('ideal')
     rig.run(10, HOME)
     rig.run(9, None)
-    rig.supervised.overtaken(rig.now + PERIOD, HOME, ZERO, rig.now)
-    rig.step(HOME + PERIOD * AXES.velocity)
+    rig.follow((HOME, ZERO, rig.now), (HOME + PERIOD * AXES.velocity, ZERO, rig.now + PERIOD))
     assert 'its limits allow' in rig.supervised.problem
     np.testing.assert_array_equal(rig.positions[-1], HOME)
+
+
+def test_the_newest_reference_that_is_valid_counts() -> None:
+    rig, other = Rig(), Rig()
+    for k in range(20):
+        q = HOME + 1e-5 * k
+        rig.follow((q - 5e-6, ZERO, rig.now), (q, ZERO, rig.now + PERIOD), *[None] * (k % 3))
+        other.step(q)
+    rig.follow(None)
+    other.step(None)
+    np.testing.assert_array_equal(rig.positions, other.positions)
+    assert rig.state is other.state is DriveState.FOLLOWING
 
 
 def test_references_that_stood_and_have_ended_close_the_brakes() -> None:

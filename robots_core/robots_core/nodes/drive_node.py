@@ -230,13 +230,7 @@ class DriveNode(ManagedNode):
         self._supervised.power(on=self._powered and self.active)
         if self._bodies is not None:
             self._bodies.before_step()
-        reference: tuple[Array | None, Array | None, float | None] = None, None, None
-        for raw in references:
-            with self.refusing('joint_reference'):
-                reference = read = self._read(raw)
-                if raw is not references[-1]:
-                    self._supervised.overtaken(now, *read)
-        measured = self._supervised.step(now, *reference, sender_period=self._reader.lead)
+        measured = self._supervised.follow(now, references, self._read, lambda: self._reader.lead)
         if self._resting.due(resting=self._supervised.standing, early=bool(references)):
             self._report(*measured)
         if self._bodies is not None:
@@ -260,13 +254,15 @@ class DriveNode(ManagedNode):
             names, values = [names[i] for i in reporting], [one[reporting] for one in values]
         self._states.publish(names, values)
 
-    def _read(self, raw: bytes) -> tuple[Array, Array, float]:
+    def _read(self, raw: bytes) -> tuple[Array, Array, float] | None:
         """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""
-        rows, stamp = self._reader.read(raw)
-        if rows is not self._rows:
-            self._reference = self.robot.axes_data.check_position(rows[0], 'joint_reference'), rows[1]
-            self._rows = rows
-        return *self._injection.reference(*self._reference), stamp
+        with self.refusing('joint_reference'):
+            rows, stamp = self._reader.read(raw)
+            if rows is not self._rows:
+                self._reference = self.robot.axes_data.check_position(rows[0], 'joint_reference'), rows[1]
+                self._rows = rows
+            return *self._injection.reference(*self._reference), stamp
+        return None
 
 
 main: Final = partial(run, DriveNode)

@@ -114,21 +114,17 @@ class HardwareNode(RobotNode):
         if self._stop.recover(now, braked=supervised.braked):
             self._publish_running()
         supervised.power(on=self._on and not self._stop.reason)
-        reference: tuple[Array | None, Array | None, float | None] = None, None, None
-        for raw in references:
-            with self.refusing('joint_reference'):
-                reference = read = self._read(raw)
-                if raw is not references[-1]:
-                    supervised.overtaken(now, *read)
-        supervised.step(now, *reference, sender_period=self._reader.lead)
+        supervised.follow(now, references, self._read, lambda: self._reader.lead)
         self._send(drives.command)
         problem = self._stop.reason or self._unserved or supervised.problem
         self.report_problem(problem, trajectory=self._to)
 
-    def _read(self, raw: bytes) -> tuple[Array, Array, float]:
+    def _read(self, raw: bytes) -> tuple[Array, Array, float] | None:
         """Position and velocity (n,) of a reference, and its stamp, s."""
-        rows, stamp = self._reader.read(raw)
-        return self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
+        with self.refusing('joint_reference'):
+            rows, stamp = self._reader.read(raw)
+            return self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
+        return None
 
     def _send(self, command: tuple[Array, Array] | None) -> None:
         action, failed = self._action, bool(self._stop.failure)

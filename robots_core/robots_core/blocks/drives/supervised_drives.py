@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from typing import Final
 
@@ -159,11 +159,31 @@ class SupervisedDrives:
             return self.drives.position, self.drives.velocity
         return position, velocity
 
-    def overtaken(self, now: float, q: Array, q_dot: Array, stamp: float) -> None:
-        """Before a step: a reference has come that a newer one has overtaken; for the arguments see `step`.
+    def follow(
+        self,
+        now: float,
+        came: Sequence[bytes],
+        read: Callable[[bytes], tuple[Array, Array, float] | None],
+        sender_period: Callable[[], float],
+    ) -> tuple[Array, Array]:
+        """One period with all references that came since the last one, of which the newest valid one counts.
 
-        If it still stands, the newer one is judged by its stamp.
+        Args:
+            now: Time, s.
+            came: The references, as they were sent.
+            read: Positions, velocities and stamp of one, see `step`; None if it is not valid.
+            sender_period: See `step`, once all are read.
         """
+        newest: tuple[Array | None, Array | None, float | None] = None, None, None
+        for reference in came:
+            if (found := read(reference)) is not None:
+                newest = found
+                if reference is not came[-1]:
+                    self._overtaken(now, *found)
+        return self.step(now, *newest, sender_period=sender_period())
+
+    def _overtaken(self, now: float, q: Array, q_dot: Array, stamp: float) -> None:
+        """If the drives still stand at a reference that a newer one has overtaken, its stamp begins anew."""
         if self._reference_stands and not q_dot.any() and np.array_equal(q, self._target):
             self._check.begin(now, self._check.last, q_dot, stamp)
 
