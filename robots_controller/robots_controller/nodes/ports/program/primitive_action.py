@@ -54,9 +54,7 @@ class PrimitiveAction:
                 'it with ROS, or name the topic of a joint_trajectory_controller in the driver file'
             )
         self._client = ActionClient(node, self._action, self.name)
-        self._number = 0  # of the newest goal
         self._handle: Any = None  # of the newest goal, while it runs
-        self._canceling = False
         self._watch = GoalWatch(self.name)
         self.planner = PrimitiveMotions(node.robot, self, self._measured)
         self.controller = PrimitiveControl(self.planner)
@@ -104,18 +102,15 @@ class PrimitiveAction:
 
     def send(self, primitives: Sequence[MotionPrimitive]) -> None:
         """See `PrimitiveDriver`."""
-        self._number += 1
-        self._canceling = False
-        self._watch.sent(self._node.now())
+        number = self._watch.sent(self._node.now())
         goal = self._action.Goal(trajectory=sequence_message(primitives, self._settings.frame))
-        number = self._number
         self._client.send_goal_async(goal, partial(self._advanced, number)).add_done_callback(
             partial(self._answered, number)
         )
 
     def cancel(self) -> None:
         """See `PrimitiveDriver`; a goal without an answer yet is canceled when it is accepted."""
-        self._canceling = True
+        self._watch.cancel()
         if self._handle is not None:
             self._handle.cancel_goal_async()
 
@@ -142,25 +137,21 @@ class PrimitiveAction:
 
     def _answered(self, number: int, future: Future) -> None:
         handle = future.result()
-        if number != self._number:  # given up meanwhile
-            if handle.accepted:
-                handle.cancel_goal_async()
-            return
-        self._watch.answered(accepted=handle.accepted)
-        if not handle.accepted:
+        canceled = self._watch.answered(number, accepted=handle.accepted)
+        if self._watch.executes(number):
+            self._handle = handle
+            handle.get_result_async().add_done_callback(partial(self._ended, number))
+        elif self._watch.newest(number):
             self._fail(f'{self.name} has refused the motion')
-            return
-        self._handle = handle
-        handle.get_result_async().add_done_callback(partial(self._ended, number))
-        if self._canceling:
+        if canceled:
             handle.cancel_goal_async()
 
     def _advanced(self, number: int, message: Any) -> None:
-        if number == self._number and self._handle is not None:
+        if self._watch.executes(number):
             self.planner.advanced(message.feedback.current_primitive_index)
 
     def _ended(self, number: int, future: Future) -> None:
-        if number != self._number or self._handle is None:
+        if not self._watch.executes(number):
             return
         self._handle = None
         self._watch.ended()
@@ -176,9 +167,8 @@ class PrimitiveAction:
 
     def _fail(self, reason: str) -> None:
         """Give up the goal; one that may still run is canceled."""
-        self._number += 1
+        self._watch.give_up()
         handle, self._handle = self._handle, None
-        self._watch.ended()
         if handle is not None:
             handle.cancel_goal_async()
         self.planner.ended(reason)
