@@ -38,25 +38,25 @@ class PackagedRobot(UrdfRobotModel):
         self, *, gravity: ArrayLike = EARTH_GRAVITY, joint_limits: str = 'joint_limits.yaml'
     ) -> None:
         key = type(self), joint_limits, tuple(finite_vector(gravity, 3, 'gravity').tolist())
-        if key in _READ:
-            self.__dict__ |= _READ[key]
-            self._data = self._model.createData()
-            return
-        package = type(self).__module__.rpartition('.')[0]
-        with as_file(files(package)) as folder:
-            super().__init__(
-                folder / 'robot.urdf',
-                name=package.rpartition('.')[2],
-                joint_limits=folder / joint_limits,
-                structural_data=self.DATA,
-                home=self.HOME,
-                orientation_convention=self.ORIENTATION_CONVENTION,
-                gravity=gravity,
-                hulls=False,
-                strict=True,
-                shapes_on_demand=True,
-            )
-        _READ[key] = dict(self.__dict__)
+        if key not in _READ:
+            package = type(self).__module__.rpartition('.')[0]
+            with as_file(files(package)) as folder:
+                super().__init__(
+                    folder / 'robot.urdf',
+                    name=package.rpartition('.')[2],
+                    joint_limits=folder / joint_limits,
+                    structural_data=self.DATA,
+                    home=self.HOME,
+                    orientation_convention=self.ORIENTATION_CONVENTION,
+                    gravity=gravity,
+                    hulls=False,
+                    strict=True,
+                    shapes_on_demand=True,
+                )
+            _READ[key] = self.__getstate__()
+        # A new dict: Python finds attributes in it faster than in that of the first robot.
+        self.__dict__ = dict(_READ[key])
+        self._use_own_memory()
 
     def _shapes(self, kind: Literal['visual', 'collision'], *, hulls: bool = False) -> tuple[Shape, ...]:
         """Read once for all robots of one description."""

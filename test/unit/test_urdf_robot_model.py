@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -252,3 +254,18 @@ def test_positions_of_any_layout_give_the_same_pose():
         found_r, found_T = robot.direct_kinematics(same)
         np.testing.assert_array_equal(found_r, r)
         np.testing.assert_array_equal(found_T, T)
+
+
+@pytest.mark.parametrize('copied', [copy.copy, copy.deepcopy])
+def test_a_copy_has_memory_of_its_own(
+    arm: UrdfRobotModel, copied: Callable[[UrdfRobotModel], UrdfRobotModel]
+):
+    first, second = np.array([1.0, 0.3, 0.2]), np.array([-0.5, 0.7, 1.1])
+    expected = arm.direct_kinematics(first), arm.direct_kinematics(second)
+    twin = copied(arm)
+    for robot, other in ((arm, twin), (twin, arm)):
+        other.direct_kinematics(second)
+        for mine, its in zip(robot.direct_kinematics(first), expected[0], strict=True):
+            np.testing.assert_array_equal(mine, its)
+        for mine, its in zip(robot.direct_kinematics(second), expected[1], strict=True):
+            np.testing.assert_array_equal(mine, its)

@@ -5,7 +5,7 @@ from functools import cached_property, partial
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.files.user_file import read_text
-from robots_core.pose import Pose
+from robots_core.pose import Pose, valid_pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
@@ -118,13 +118,26 @@ class UrdfRobotModel(BaseRobotModel):
         self._model = model
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
-        self._data = model.createData()  # scratch memory of this robot's own
+        self._use_own_memory()
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._hulls = hulls
         self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
         if not shapes_on_demand:
             with placed():
                 self._load_shapes(path.parent)
+
+    def _use_own_memory(self) -> None:
+        """Make the scratch memory of Pinocchio, and views of the pose of tool0 in it."""
+        self._data = self._model.createData()
+        placement = self._data.oMf[self._tool0]
+        self._r, self._T = placement.translation, placement.rotation
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name not in {'_data', '_r', '_T'}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__ |= state
+        self._use_own_memory()
 
     def _load_shapes(self, folder: Path) -> None:
         while True:
@@ -222,16 +235,18 @@ class UrdfRobotModel(BaseRobotModel):
         """See `BaseRobotModel.direct_kinematics`."""
         # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
         # infinity.
-        model, data = self._model, self._data
         try:
-            pin.forwardKinematics(model, data, q)
+            pin.framesForwardKinematics(self._model, self._data, q)
             finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
         except (AttributeError, TypeError, ValueError):
             finite = False
         if not finite:
-            pin.forwardKinematics(model, data, finite_vector(q, self._n, 'q'))
-        placement = pin.updateFramePlacement(model, data, self._tool0)
-        return placement.translation.copy(), placement.rotation.copy()  # they are views of `data`
+            pin.framesForwardKinematics(self._model, self._data, finite_vector(q, self._n, 'q'))
+        return self._r.copy(), self._T.copy()
+
+    def pose(self, q: Array) -> Pose:
+        """See `BaseRobotModel.pose`."""
+        return valid_pose(*self.direct_kinematics(q))
 
     def tool_poses(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.tool_poses`."""
