@@ -200,6 +200,61 @@ def test_function_dynamics_keep_what_only_the_robot_computes(monkeypatch: pytest
             refused()
 
 
+@pytest.mark.parametrize('friction', [True, False])
+@pytest.mark.parametrize('block', BLOCKS)
+def test_results_belong_to_the_caller(block: type[Dynamics], friction: bool):  # noqa: FBT001
+    dynamics = block(load_robot_model('bello_bot'), payload=LOAD, friction=friction)
+    first, second = np.random.default_rng(8).uniform(-1.0, 1.0, (2, 3, 7))
+
+    def everything(q: np.ndarray, q_dot: np.ndarray, q_ddot: np.ndarray) -> list[np.ndarray]:
+        return [
+            *dynamics.rigid_dynamics(q, q_dot, q_ddot),
+            dynamics.torques(q, q_dot, q_ddot),
+            dynamics.mass_matrix(q),
+            dynamics.bias_torques(q, q_dot),
+            dynamics.accelerations(q, q_dot, q_ddot),
+        ]
+
+    kept = everything(*first)
+    copies = [array.copy() for array in kept]
+    for array in everything(*second):
+        array[...] = np.nan
+    for mine, copy, again in zip(kept, copies, everything(*first), strict=True):
+        np.testing.assert_array_equal(mine, copy)
+        np.testing.assert_array_equal(again, copy)
+
+
+@pytest.mark.parametrize('index', [0, 1, 2])
+@pytest.mark.parametrize('friction', [True, False])
+@pytest.mark.parametrize('block', BLOCKS)
+def test_what_is_no_motion_is_refused_by_name(block: type[Dynamics], friction: bool, index: int):  # noqa: FBT001
+    dynamics = block(load_robot_model('bello_bot'), friction=friction)
+    name = ('q', 'q_dot', 'q_ddot')[index]
+    for axis in range(7):
+        for value in (np.nan, np.inf, -np.inf):
+            motion = np.full((3, 7), 0.3)
+            motion[index, axis] = value
+            for call in (dynamics.torques, dynamics.accelerations, dynamics.rigid_dynamics):
+                with pytest.raises(InvalidInputError, match=rf'^{name}\[{axis}\] is'):
+                    call(*motion)
+    for bad in (np.zeros(6), np.zeros((7, 1)), np.zeros((1, 7)), np.zeros(7) + 1j, 'left', None):
+        motion = [np.full(7, 0.3)] * 3
+        motion[index] = bad
+        for call in (dynamics.torques, dynamics.accelerations, dynamics.rigid_dynamics):
+            with pytest.raises(InvalidInputError, match=rf'^{name} must'):
+                call(*motion)
+
+
+@pytest.mark.parametrize('block', BLOCKS)
+def test_motions_of_any_layout_are_the_same(block: type[Dynamics]):
+    dynamics = block(load_robot_model('bello_bot'), friction=False)
+    motion = np.random.default_rng(9).uniform(-1.0, 1.0, (3, 7))
+    for call in (dynamics.torques, dynamics.accelerations):
+        expected = call(*motion)
+        for same in (np.repeat(motion, 2, axis=1)[:, ::2], motion.tolist(), motion.astype('>f8')):
+            np.testing.assert_array_equal(call(*same), expected)
+
+
 def test_bad_input_is_named():
     robot = load_robot_model('bello_bot')
     turning = BaseMotion(angular_velocity=np.array([0.0, 0.0, 1.0]))

@@ -7,8 +7,9 @@ import numpy as np
 import pinocchio as pin
 
 from robots_core.robot_model.allowed_pairs import AllowedPairs
+from robots_core.robot_model.motion_checks import is_of_motion, of_motion
 from robots_core.robot_model.shapes import Shape
-from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 
 class KinematicModel:
@@ -72,26 +73,19 @@ class RigidDynamicsModel:
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
         model, data = self._model, self._data
-        # Checking first takes a tenth longer. Pinocchio rejects arrays of another size, but misreads another
-        # byte order; the torques without acceleration are finite only if q and q_dot are.
         try:
-            M: Array = pin.crba(model, data, q)
-            tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
-            finite = (
-                q.shape == q_dot.shape == q_ddot.shape == tau_aux.shape
-                and q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
-                and isfinite(sum(q_ddot.tolist(), sum(tau_aux.tolist())))
-            )
-        except (AttributeError, TypeError, ValueError):
-            finite = False
-        if not finite:
-            q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
             M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-        return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
+            if is_of_motion(tau_aux, q, q_dot, q_ddot) and isfinite(sum(q_ddot.tolist())):
+                return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
+        except (AttributeError, TypeError, ValueError):
+            pass
+        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
+        M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
+        return M.dot(q_ddot) + tau_aux, M, tau_aux
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """Joint torques (n,), N m, for a motion: inverse dynamics."""
-        return np.asarray(pin.rnea(self._model, self._data, *finite_motion(q, q_dot, q_ddot, self._n)))
+        return of_motion(pin.rnea, self._model, self._data, q, q_dot, q_ddot)
 
     def mass_matrix(self, q: Array) -> Array:
         """Joint-space mass matrix (n, n), kg m^2, symmetric and positive definite."""

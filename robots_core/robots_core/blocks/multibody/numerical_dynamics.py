@@ -11,6 +11,7 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.motion_checks import of_motion
 from robots_core.validation import Array, finite_motion
 
 
@@ -49,22 +50,23 @@ class NumericalDynamics(Dynamics):
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """See `Dynamics.torques`; one recursion, without the mass matrix."""
-        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-        tau: Array = (
-            self._full(q, q_dot, q_ddot)[6:]
+        tau = (
+            self._full(*finite_motion(q, q_dot, q_ddot, self._n))[6:]
             if self._turns
-            else pin.rnea(self._fixed, self._fixed_data, q, q_dot, q_ddot)
+            else of_motion(pin.rnea, self._fixed, self._fixed_data, q, q_dot, q_ddot)
         )
         return tau + self._friction(q_dot) if self._resists else tau
 
     def accelerations(self, q: Array, q_dot: Array, tau: Array) -> Array:
         """See `Dynamics.accelerations`; articulated bodies where no axis is held by friction."""
-        q, q_dot, tau = finite_motion(q, q_dot, tau, self._n)
-        if self._turns or (self._resists and not q_dot.all()):
+        if self._turns:
             return super().accelerations(q, q_dot, tau)
         if self._resists:
+            q, q_dot, tau = finite_motion(q, q_dot, tau, self._n)
+            if not q_dot.all():
+                return super().accelerations(q, q_dot, tau)
             tau = tau - self._friction(q_dot)
-        return np.asarray(pin.aba(self._fixed, self._fixed_data, q, q_dot, tau))
+        return of_motion(pin.aba, self._fixed, self._fixed_data, q, q_dot, tau)
 
     def base_wrench(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """Wrench of the mount on the robot, base body included, for a motion (see `rigid_dynamics`).
