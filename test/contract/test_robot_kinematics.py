@@ -108,6 +108,13 @@ def test_jacobian_der_is_the_derivative_of_the_jacobian(robot: BaseRobotModel, p
         np.testing.assert_allclose(robot.jacobian_der(q, q_dot), expected, atol=10.0 * DIFFERENCE_TOLERANCE)
 
 
+def test_orientation_and_jacobians_are_those_of_each_call(robot: BaseRobotModel, postures: np.ndarray):
+    for q, q_dot in zip(postures, postures[::-1], strict=True):
+        expected = robot.direct_kinematics(q)[1], robot.jacobian(q), robot.jacobian_der(q, q_dot)
+        for mine, its in zip(robot.orientation_and_jacobians(q, q_dot), expected, strict=True):
+            np.testing.assert_allclose(mine, its, rtol=0.0, atol=EXACT)
+
+
 def test_results_belong_to_the_caller(robot: BaseRobotModel, postures: np.ndarray):
     first, second = postures[0], postures[1]
 
@@ -117,7 +124,9 @@ def test_results_belong_to_the_caller(robot: BaseRobotModel, postures: np.ndarra
             *robot.kinematic_model.frame_axes(q),
             robot.jacobian(q),
             robot.jacobian_der(q, q),
+            *robot.orientation_and_jacobians(q, q),
             *robot.rigid_dynamics(q, q, q),
+            robot.rigid_dynamics_model.torques(q, q, q),
         ]
 
     kept = everything(first)

@@ -63,6 +63,23 @@ def test_jacobian_der_is_the_derivative_of_the_jacobian(robot: BaseRobotModel, p
         np.testing.assert_allclose(block.jacobian_der(q, q_dot), change / (2.0 * STEP), atol=DIFFERENCE)
 
 
+@pytest.mark.parametrize('tool', [None, TOOL])
+def test_results_stay_when_the_block_is_called_again(
+    robot: BaseRobotModel, positions: np.ndarray, tool: Pose | None
+):
+    block = DirectKinematics(robot, tool=tool)
+
+    def everything(q: np.ndarray) -> list[np.ndarray]:
+        pose = block.forward(q)
+        return [pose.r, pose.T, block.jacobian(q), block.jacobian_der(q, q)]
+
+    kept = everything(positions[0])
+    copies = [array.copy() for array in kept]
+    everything(positions[1])
+    for mine, copy in zip(kept, copies, strict=True):
+        np.testing.assert_array_equal(mine, copy)
+
+
 def test_axes_limits_are_those_of_the_robot(robot: BaseRobotModel):
     assert DirectKinematics(robot).axes_limits is robot.axes_data
 

@@ -187,6 +187,8 @@ def test_one_axis_is_a_robot(tmp_path: Path):
     J, J_der = robot.jacobian(q), robot.jacobian_der(q, q_dot)
     np.testing.assert_allclose(J, np.array([[-s, c, 0.0, 0.0, 0.0, 1.0]]).T, atol=EXACT)
     np.testing.assert_allclose(J_der, -1.3 * np.array([[-c, -s, 0.0, 0.0, 0.0, 0.0]]).T, atol=EXACT)
+    for mine, its in zip(robot.orientation_and_jacobians(q, q_dot)[1:], (J, J_der), strict=True):
+        np.testing.assert_allclose(mine, its, atol=EXACT)
     tau, M, tau_aux = robot.rigid_dynamics(q, q_dot, q_dot)
     np.testing.assert_allclose(tau, M @ q_dot + tau_aux, atol=EXACT)
     assert M.shape == (1, 1)
@@ -202,9 +204,12 @@ def test_what_is_no_motion_is_refused_by_name(arm: UrdfRobotModel, index: int, b
     name = ('q', 'q_dot', 'q_ddot')[index]
     with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
         arm.rigid_dynamics(*motion)
+    with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
+        arm.rigid_dynamics_model.torques(*motion)
     if index < 2:
-        with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
-            arm.jacobian_der(*motion[:2])
+        for call in (arm.jacobian_der, arm.orientation_and_jacobians):
+            with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
+                call(*motion[:2])
     if index == 0:
         for call in (arm.direct_kinematics, arm.jacobian):
             with pytest.raises(InvalidInputError, match=r'^q\b(\[\d\] is| must)'):

@@ -140,6 +140,11 @@ class BaseRobotModel(ABC):
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """Time derivative (6, n) of the Jacobian for joint velocities `q_dot` (n,)."""
 
+    def orientation_and_jacobians(self, q: Array, q_dot: Array) -> tuple[Array, Array, Array]:
+        """Orientation T (3, 3) of `direct_kinematics`, `jacobian` and `jacobian_der`, equal to rounding."""
+        J_der = self.jacobian_der(q, q_dot)
+        return self.direct_kinematics(q)[1], self.jacobian(q), J_der
+
     @abstractmethod
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """Joint torques of the rigid robot.

@@ -270,17 +270,29 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
-        model, data = self._model, self._data
+        self._compute_jacobians(q, q_dot)
+        J_der: Array = pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, _WORLD)
+        return J_der if self._n > 1 else J_der.reshape(6, 1)
+
+    def orientation_and_jacobians(self, q: Array, q_dot: Array) -> tuple[Array, Array, Array]:
+        """See `BaseRobotModel.orientation_and_jacobians`."""
+        model, data, tool0 = self._model, self._data, self._tool0
+        self._compute_jacobians(q, q_dot)
+        pin.updateFramePlacement(model, data, tool0)
+        J: Array = pin.getFrameJacobian(model, data, tool0, _WORLD)
+        J_der: Array = pin.getFrameJacobianTimeVariation(model, data, tool0, _WORLD)
+        return self._T.copy(), J.reshape(6, self._n), J_der.reshape(6, self._n)
+
+    def _compute_jacobians(self, q: Array, q_dot: Array) -> None:
+        """Let Pinocchio compute the Jacobians of all joints and their derivatives in its memory."""
         try:  # as above
-            pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
+            pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
             finite = q.dtype is q_dot.dtype is FLOAT64 and isfinite(sum(q.tolist(), sum(q_dot.tolist())))
         except (AttributeError, TypeError, ValueError):
             finite = False
         if not finite:
-            q, q_dot = finite_state(q, q_dot, self._n)
-            pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
-        J_der: Array = pin.getFrameJacobianTimeVariation(model, data, self._tool0, _WORLD)
-        return J_der if self._n > 1 else J_der.reshape(6, 1)
+            motion = finite_state(q, q_dot, self._n)
+            pin.computeJointJacobiansTimeVariation(self._model, self._data, *motion)
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""

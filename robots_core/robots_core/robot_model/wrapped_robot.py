@@ -34,5 +34,6 @@ class WrappedRobot(BaseRobotModel):
     tool_poses = _as_the_robot_has('tool_poses')
     jacobian = _as_the_robot_has('jacobian')
     jacobian_der = _as_the_robot_has('jacobian_der')
+    orientation_and_jacobians = _as_the_robot_has('orientation_and_jacobians')
     rigid_dynamics = _as_the_robot_has('rigid_dynamics')
     inverse_kinematics_analytic = _as_the_robot_has('inverse_kinematics_analytic')

@@ -96,8 +96,7 @@ def _equations(robot: BaseRobotModel, samples: MotionSamples) -> tuple[Array, Ar
     motion = zip(samples.q, samples.q_dot, samples.q_ddot, samples.tau, strict=True)
     for k, (q, q_dot, q_ddot, tau) in enumerate(motion):
         rest[k] = tau - dynamics.torques(q, q_dot, q_ddot)
-        _, T = robot.direct_kinematics(q)
-        J, J_der = robot.jacobian(q), robot.jacobian_der(q, q_dot)
+        T, J, J_der = robot.orientation_and_jacobians(q, q_dot)
         twist, acceleration = J @ q_dot, J @ q_ddot + J_der @ q_dot
         acceleration[:3] -= dynamics.gravity
         # In a frame whose origin moves with the body at this instant: the torques do not depend on its speed.

@@ -59,8 +59,7 @@ class FunctionDynamics(Dynamics):
 
     def _add_payload(self, q: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
         mass = self.payload.mass
-        _, T = self.robot.direct_kinematics(q)
-        J, J_der = self.robot.jacobian(q), self.robot.jacobian_der(q, q_dot)
+        T, J, J_der = self.robot.orientation_and_jacobians(q, q_dot)
         center = T @ self.payload.center
         inertia = T @ self.payload.inertia @ T.T
         # Acceleration of the payload while no axis accelerates.
