@@ -13,7 +13,9 @@ Function = TypeVar('Function', bound=Callable[..., Any])
 nb.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
 
 
-def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Callable[[Function], Function]:
+def compiled(
+    *signatures: Any, nogil: bool = True, counted: bool = True, inlined: bool = False
+) -> Callable[[Function], Function]:
     """Compile a function by Numba: immediately with signatures, else on the first call.
 
     Args:
@@ -21,6 +23,8 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
         nogil: Other threads run meanwhile, which costs 0.05 us per call.
         counted: References to arrays are counted, which costs 10 ns for each in a call that is not inlined.
             Without, the function can neither make arrays nor return any.
+        inlined: The code is part of that of each function that calls it, and so is that of functions that are
+            compiled with it.
 
     The code is kept beside the source, or in the user's cache folder if that is not writable (or in
     $NUMBA_CACHE_DIR), and is used until what it was made of changes: see `kernel_cache`. Without a writable
@@ -30,7 +34,7 @@ def compiled(*signatures: Any, nogil: bool = True, counted: bool = True) -> Call
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
         # Said in both cases: a function takes over options that are not set from the one that calls it first.
-        options = {'nogil': nogil, '_nrt': counted}
+        options = {'nogil': nogil, '_nrt': counted} | ({'forceinline': True} if inlined else {})
         keep_by_content(function, **options)
         try:
             with garbage_kept():

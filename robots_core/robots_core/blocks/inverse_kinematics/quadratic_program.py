@@ -31,7 +31,7 @@ class ActiveSet(NamedTuple):
     Attributes:
         number: Which constraint each is, (n + 1,).
         side: The side of every constraint that is active, +1 (high) or -1 (low); 0 of others, (n + m,).
-        normal: Normals D, which point inwards, (n + 1, n).
+        normal: Normal of the one that enters, which points inwards, (n,): a row of D.
         bound: b of D y >= b, (n + 1,).
         Q: Orthonormal rows, (n + 1, n): D = R^T Q.
         R: Upper triangle, (n + 1, n + 1).
@@ -87,7 +87,7 @@ def solve_factorised(
     set_ = ActiveSet(
         np.empty(n + 1, np.int64),
         np.zeros(low.size),
-        np.empty((n + 1, n)),
+        np.empty(n),
         np.empty(n + 1),
         np.empty((n + 1, n)),
         np.empty((n + 1, n + 1)),
@@ -155,13 +155,13 @@ def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) ->
     return chosen, side
 
 
-@compiled(counted=False)
+@compiled(counted=False, inlined=True)
 def _enter(
     L: Array, C: Array, low: Array, high: Array, chosen: int, side: float, count: int, set_: ActiveSet
 ) -> None:
     """Write a constraint behind the active ones."""
     n = L.shape[0]
-    normal = set_.normal[count]
+    normal = set_.normal
     for i in range(n):
         normal[i] = -side * C[chosen - n, i] if chosen >= n else 0.0
     if chosen < n:
@@ -171,7 +171,7 @@ def _enter(
     set_.bound[count] = -high[chosen] if side > 0.0 else low[chosen]
 
 
-@compiled(counted=False)
+@compiled(counted=False, inlined=True)
 def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, int]:
     """Move y to the entering constraint, and drop those that become inactive; a status and the new count."""
     Q, R, u = set_.Q, set_.R, set_.u
@@ -190,7 +190,7 @@ def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, 
         if count < y.size and rest > DEPENDENT * length:
             gap = set_.bound[count]
             for i in range(y.size):
-                gap -= set_.normal[count, i] * y[i]
+                gap -= set_.normal[i] * y[i]
             full = gap / rest
         step = min(partial, full)
         if step == inf:
@@ -203,12 +203,12 @@ def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, 
                 y[i] += step * sqrt(rest) * Q[count, i]
         if full <= partial:
             return SOLVED, count + 1
-        _drop(set_, leaving, count + 1)
+        _drop(set_, leaving, count)
         count -= 1
     return EXHAUSTED, count
 
 
-@compiled(counted=False)
+@compiled(counted=False, inlined=True)
 def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     """Fill row k of Q and column k of R; the squares of the normal, and of its part across those before.
 
@@ -218,7 +218,7 @@ def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     n = Q.shape[1]
     length, rest = 0.0, 0.0
     for i in range(n):
-        Q[k, i] = set_.normal[k, i]
+        Q[k, i] = set_.normal[i]
         length += Q[k, i] * Q[k, i]
     for j in range(k):
         R[j, k] = 0.0
@@ -239,15 +239,33 @@ def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     return length, rest
 
 
-@compiled(counted=False)
+@compiled(counted=False, inlined=True)
 def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
-    """Remove one of `count` constraints; those behind it move up."""
+    """Remove one of `count` active constraints; those behind it move up, one that enters too.
+
+    Givens' rotations make R, less a column, a triangle again.
+    """
+    Q, R = set_.Q, set_.R
     set_.side[set_.number[leaving]] = 0.0
-    for k in range(leaving, count - 1):
+    for k in range(leaving, count):
         set_.number[k], set_.bound[k], set_.u[k] = set_.number[k + 1], set_.bound[k + 1], set_.u[k + 1]
-        for i in range(set_.normal.shape[1]):
-            set_.normal[k, i] = set_.normal[k + 1, i]
-        _orthogonalise(set_, k)
+    for k in range(leaving, count - 1):
+        for i in range(k + 2):
+            R[i, k] = R[i, k + 1]
+    for k in range(leaving, count - 1):
+        length = sqrt(R[k, k] ** 2 + R[k + 1, k] ** 2)
+        cosine, sine = R[k, k] / length, R[k + 1, k] / length
+        R[k, k] = length
+        for j in range(k + 1, count - 1):
+            R[k, j], R[k + 1, j] = (
+                cosine * R[k, j] + sine * R[k + 1, j],
+                cosine * R[k + 1, j] - sine * R[k, j],
+            )
+        for i in range(Q.shape[1]):
+            Q[k, i], Q[k + 1, i] = (
+                cosine * Q[k, i] + sine * Q[k + 1, i],
+                cosine * Q[k + 1, i] - sine * Q[k, i],
+            )
 
 
 @compiled(counted=False)
