@@ -13,6 +13,7 @@ import pytest
 import trimesh
 
 from robots_core import UrdfRobotModel, load_robot_model
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.robot_model.shapes import Box, Cylinder, Mesh, Sphere
 
@@ -214,6 +215,29 @@ def test_what_is_no_motion_is_refused_by_name(arm: UrdfRobotModel, index: int, b
         for call in (arm.direct_kinematics, arm.jacobian):
             with pytest.raises(InvalidInputError, match=r'^q\b(\[\d\] is| must)'):
                 call(bad)
+
+
+@pytest.mark.parametrize('tip', ['pole', 'tool0'])  # of one axis, of three
+@pytest.mark.parametrize('index', [0, 1, 2])
+def test_no_motion_of_sliding_axes_is_refused_by_name(tmp_path: Path, index: int, tip: str):
+    slides = re.sub('type="(revolute|continuous)"', 'type="prismatic"', ARM)
+    slides = slides.replace('<limit velocity', '<limit lower="-1" upper="1" velocity')
+    robot = UrdfRobotModel(write_arm(tmp_path, text=slides), tip=tip)
+    n = robot.num_axes
+    assert all(robot.axes_data.prismatic)
+    name = ('q', 'q_dot', 'q_ddot')[index]
+    for axis in range(n):
+        motion = np.zeros((3, n))
+        motion[index, axis] = np.nan
+        dynamics = NumericalDynamics(robot, friction=False)
+        for call in (
+            robot.rigid_dynamics,
+            robot.rigid_dynamics_model.torques,
+            dynamics.torques,
+            dynamics.accelerations,
+        ):
+            with pytest.raises(InvalidInputError, match=rf'^{name}\[{axis}\] is nan'):
+                call(*motion)
 
 
 def test_gravity_can_be_chosen(tmp_path: Path):

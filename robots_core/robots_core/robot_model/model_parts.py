@@ -7,9 +7,9 @@ import numpy as np
 import pinocchio as pin
 
 from robots_core.robot_model.allowed_pairs import AllowedPairs
-from robots_core.robot_model.motion_checks import is_of_motion, of_motion
+from robots_core.robot_model.motion_checks import of_motion
 from robots_core.robot_model.shapes import Shape
-from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 
 
 class KinematicModel:
@@ -73,9 +73,13 @@ class RigidDynamicsModel:
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
         model, data = self._model, self._data
-        try:
+        try:  # as in `of_motion`
             M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-            if is_of_motion(tau_aux, q, q_dot, q_ddot) and isfinite(sum(q_ddot.tolist())):
+            if (
+                q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
+                and q.ndim == q_dot.ndim == q_ddot.ndim == 1
+                and isfinite(sum(q.tolist(), sum(q_dot.tolist(), sum(q_ddot.tolist()))))
+            ):
                 return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
         except (AttributeError, TypeError, ValueError):
             pass
