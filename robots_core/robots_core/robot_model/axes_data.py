@@ -153,14 +153,9 @@ class AxesData:
             InvalidInputError: wrong shape, NaN or infinity.
         """
         values = finite_vector(q, self.num_axes, name)
-        outside = (values < self.lower - tolerance) | (values > self.upper + tolerance)
-        if outside.any():
-            index = int(np.flatnonzero(outside)[0])
-            raise JointLimitError(
-                self.names[index],
-                float(values[index]),
-                float(self.lower[index]),
-                float(self.upper[index]),
-                unit=self.unit(index),
-            )
+        # On a few values numpy's own comparisons take several times longer.
+        ranges = zip(values.tolist(), self.lower.tolist(), self.upper.tolist(), strict=True)
+        for index, (value, low, high) in enumerate(ranges):
+            if not low - tolerance <= value <= high + tolerance:
+                raise JointLimitError(self.names[index], value, low, high, unit=self.unit(index))
         return values

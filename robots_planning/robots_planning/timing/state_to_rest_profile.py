@@ -2,6 +2,7 @@
 """Time-optimal jerk-limited motion of all axes from any state to rest, by Ruckig, with common switches."""
 
 from math import sqrt
+from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,7 @@ class StateToRestProfile:
         """
         lower, upper = self._reach
         # Copies, also of the target: read-only arrays would be compiled for once more.
-        limits, allowed, target = np.array(limits), np.array(allowed), np.array(target)
+        limits, allowed, target = limits.copy(), allowed.copy(), target.copy()
         slower, urgent = [0] * target.size, np.zeros(target.size, dtype=np.int64)
         axis = 0
         while True:
@@ -125,14 +126,16 @@ class StateToRestProfile:
         command = self._input
         command.current_position, command.current_velocity, command.current_acceleration = state.tolist()
         command.target_position = target.tolist()
-        parts = np.array([JERK_PARTS[min(level, len(JERK_PARTS) - 1)] for level in slower])
-        reached = 1.0 - LOWERED * (1.0 - parts)
-        command.max_velocity = (limits[0] * reached).tolist()
-        command.max_acceleration = (limits[1] * reached).tolist()
-        command.max_jerk = (limits[2] * parts).tolist()
+        parts = [JERK_PARTS[min(level, len(JERK_PARTS) - 1)] for level in slower]
+        reached = [1.0 - LOWERED * (1.0 - part) for part in parts]
+        velocity, acceleration, jerk = limits.tolist()
+        command.max_velocity = list(map(mul, velocity, reached))
+        command.max_acceleration = list(map(mul, acceleration, reached))
+        command.max_jerk = list(map(mul, jerk, parts))
+        levels = urgent.tolist()
         command.per_dof_synchronization = (
-            [Synchronization.No if level else self._synchronization for level in urgent.tolist()]
-            if urgent.any()
+            [Synchronization.No if level else self._synchronization for level in levels]
+            if any(levels)
             else None
         )
         try:
@@ -148,7 +151,7 @@ class StateToRestProfile:
             if level >= len(JERK_PARTS):
                 length = EVEN_PIECES[level - len(JERK_PARTS)] * self._shortest * NANOSECOND
                 durations[axis], jerks[axis] = length, NO_JERK
-        if urgent.any():
+        if any(levels):
             # A braking motion may have only two pieces, too few to correct; halves are enough.
             return np.repeat(0.5 * durations, 2, axis=1), np.repeat(jerks, 2, axis=1)
         return durations, jerks

@@ -1,6 +1,7 @@
 """JointSpaceGenerator: the base class of point-to-point motions of the axes."""
 
 from functools import cached_property
+from operator import truediv
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
@@ -188,9 +189,10 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_joints`."""
-        if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
+        distances = np.abs(target - start).tolist()
+        if max(distances) < SHORTEST_MOVE:
             return rest_trajectory(start, target)
-        least = float((np.abs(target - start) / self.velocity).max())
+        least = max(map(truediv, distances, self.velocity.tolist()))
         if least > LONGEST_MOTION:
             raise InvalidInputError(
                 f'the motion takes {least:.6g} s or more; allowed are {LONGEST_MOTION:g} s'
@@ -201,7 +203,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
             still = np.zeros_like(start)
             raise self._no_motion(error.axis, np.array([start, still, still]), target) from None
         for values in points:
-            values.flags.writeable = False  # new arrays, which the trajectory takes without a copy
+            values.setflags(write=False)  # new arrays, which the trajectory takes without a copy
         return Trajectory(*points)
 
     def _from_rest(self, start: Array, target: Array) -> tuple[Array, Array, Array, Array]:

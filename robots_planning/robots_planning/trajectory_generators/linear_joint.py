@@ -8,6 +8,9 @@ from ruckig import Synchronization
 from robots_core.validation import Array
 from robots_planning.timing.state_to_rest_profile import NoProfileError, StateToRestProfile
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
+from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
+
+STILL = 1e-200  # of the longest displacement; of a smaller one no limit would be a finite number
 
 
 class LinearJoint(JointSpaceGenerator):
@@ -25,19 +28,16 @@ class LinearJoint(JointSpaceGenerator):
 
     def _from_rest(self, start: Array, target: Array) -> tuple[Array, Array, Array, Array]:
         # The path coordinate is the longest displacement, so that short moves keep their precision.
-        longest = np.abs(target - start).max()
-        direction = (target - start) / longest
-        with np.errstate(divide='ignore', over='ignore'):
-            limits, allowed = (
-                (values / np.abs(direction)).min(axis=1, keepdims=True)
-                for values in (self._limits, self._allowed)
-            )
+        direction = target - start
+        longest = max(map(abs, direction.tolist()))
+        direction /= longest
+        limits = np.minimum.reduce(self._limits / np.maximum(np.abs(direction), STILL), axis=1, keepdims=True)
+        allowed = limits / (1.0 - LIMIT_MARGIN)
         try:
-            time, s, s_dot, s_ddot = self._line.plan(
-                np.zeros((3, 1)), np.array([longest]), limits, allowed, allowed
-            )
+            points = self._line.plan(np.zeros((3, 1)), np.array([longest]), limits, allowed, allowed)
         except NoProfileError:
             raise NoProfileError(int(np.argmax(np.abs(direction)))) from None
+        time, s, s_dot, s_ddot = points
         q = start + s * direction
         q[-1] = target
         return time, q, s_dot * direction, s_ddot * direction

@@ -197,13 +197,11 @@ class TrajectoryGenerator(ABC):
 
     def _check(self, trajectory: Trajectory, start: Array) -> None:
         """Check that a plan starts at the commanded positions and is at rest at both ends."""
-        ends = (0, -1)
-        moving = max(
-            float(np.abs(trajectory.velocity[row]).max() + np.abs(trajectory.acceleration[row]).max())
-            for row in ends
-        )
-        off = float(np.abs(trajectory.position[0] - start).max())
-        if moving > 0.0 or off > END_TOLERANCE:
+        rates = trajectory.velocity, trajectory.acceleration
+        ends = [value for rows in rates for row in (0, -1) for value in rows[row].tolist()]
+        off = max(map(abs, (trajectory.position[0] - start).tolist()))
+        if any(ends) or off > END_TOLERANCE:
+            moving = max(map(abs, ends))
             raise PlanningError(
                 f'{type(self).__name__} made a plan that starts {off:.3g} rad off or does not rest at its '
                 f'ends ({moving:.3g}); allowed are {END_TOLERANCE:g} and 0',
