@@ -16,7 +16,7 @@ x; arc (m, 2, 3), added as cos(rate x) arc[0] + sin(rate x) arc[1]; rate (m,); r
 powers of x, base frame; T (m, 3, 3), which that rotation turns."""
 
 
-@compiled()
+@compiled(counted=False)
 def pose_on_path(path: PathArrays, s: float, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
     """Fill r (3,), T (3, 3), and x' and x'' (6,): linear, then angular, base frame, per unit of s."""
     breaks, position, arc, rate, turn, orientation = path
@@ -38,7 +38,7 @@ def pose_on_path(path: PathArrays, s: float, r: Array, T: Array, x_s: Array, x_s
     _turned(p, p1, p2, orientation[i], T, x_s, x_ss)
 
 
-@compiled()
+@compiled(counted=False)
 def _turned(  # noqa: PLR0917
     p: Vector, p1: Vector, p2: Vector, T0: Array, T: Array, x_s: Array, x_ss: Array
 ) -> None:
@@ -88,7 +88,7 @@ def _turned(  # noqa: PLR0917
         x_ss[3 + k] = p2[k] + dA * rate * cross + A * further + dB * rate * double + B * second
 
 
-@compiled()
+@compiled(counted=False)
 def poses_on_path(path: PathArrays, s: Array, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
     """`pose_on_path` for every s (m,): fill (m, 3), (m, 3, 3), (m, 6), (m, 6)."""
     for i in range(s.size):

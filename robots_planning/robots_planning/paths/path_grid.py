@@ -55,6 +55,8 @@ def path_grid(coordinate: Array, duration: Array, turn: Array) -> Array:
 def with_places(grid: Array, places: Array) -> Array:
     """The grid, (k,), with further places, (m,), in it; points that nearly coincide with one are left out."""
     inner = places[(places > grid[0] + CLOSEST) & (places < grid[-1] - CLOSEST)]
+    if not inner.size:
+        return grid
     after = np.searchsorted(grid, inner)
     near = NEAR * (grid[after] - grid[after - 1])
     left_out = np.append(after[grid[after] - inner < near], after[inner - grid[after - 1] < near] - 1)

@@ -7,7 +7,7 @@ from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 
-@compiled()
+@compiled(counted=False)
 def quintic_coefficients(x: Array, p: Array, v: Array, a: Array, coefficients: Array) -> None:
     """Fill (m - 1, 6, n): polynomial per interval, in powers of the distance from the interval's start.
 
@@ -31,7 +31,7 @@ def quintic_coefficients(x: Array, p: Array, v: Array, a: Array, coefficients: A
             coefficients[i, 5, k] = (6.0 * d - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1) / h**5
 
 
-@compiled()
+@compiled(counted=False)
 def interval_at(x: Array, value: float) -> int:
     """The interval of increasing x (m,) that `value` lies in; the first or last one outside."""
     low, high = 0, x.size - 1
@@ -44,7 +44,7 @@ def interval_at(x: Array, value: float) -> int:
     return low
 
 
-@compiled()
+@compiled(counted=False)
 def quintics_at(x: Array, coefficients: Array, values: Array, p: Array, v: Array, a: Array) -> None:
     """Fill p, v and a (m, n) at values (m,), clipped to the range of x."""
     n = p.shape[1]
@@ -61,7 +61,7 @@ def quintics_at(x: Array, coefficients: Array, values: Array, p: Array, v: Array
             a[row, k] = 2.0 * c2 + h * (6.0 * c3 + h * (12.0 * c4 + h * 20.0 * c5))
 
 
-@compiled()
+@compiled(counted=False)
 def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
     """Largest |first|, |second| and |third derivative| of a quintic with coefficients c (6,) over [0, h].
 
@@ -95,7 +95,7 @@ def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
     return first, second, third
 
 
-@compiled()
+@compiled(counted=False)
 def quintic_uses(x: Array, coefficients: Array, limits: Array, uses: Array) -> None:
     """Fill uses (m - 1, 3): per interval and derivative, the largest ratio to its limit.
 

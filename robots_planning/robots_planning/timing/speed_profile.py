@@ -32,7 +32,7 @@ Scales = tuple[float, float]
 """Parts of them to use."""
 
 
-@compiled()
+@compiled(counted=False)
 def fastest_speeds(
     s: Array, rows: Array, highest: Array, scale: Array, rounds: int, u: Array, change: Array
 ) -> int:
@@ -81,7 +81,7 @@ def fastest_speeds(
     return -1
 
 
-@compiled()
+@compiled(counted=False)
 def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> None:
     """Fill the change of x within every interval, from the mean x of its neighbours."""
     m = s.size
@@ -108,7 +108,7 @@ def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> Non
         change[i] = size if left > 0.0 else -size
 
 
-@compiled()
+@compiled(counted=False)
 def _reachable(step: float, ends: Ends, scales: Scales, change: float, highest: float, top: float) -> float:
     """Largest u from which some next u of at most `top` is reached, 0 if there is none."""
     u = _highest_speed(step, ends, scales, change, highest)
@@ -130,7 +130,7 @@ def _reachable(step: float, ends: Ends, scales: Scales, change: float, highest: 
     return u
 
 
-@compiled()
+@compiled(counted=False)
 def _highest_speed(step: float, ends: Ends, scales: Scales, change: float, highest: float) -> float:
     """Largest u by the speed limits, and by those limits that bound it whatever the next u is."""
     inverse = 0.5 / step
@@ -153,7 +153,7 @@ def _highest_speed(step: float, ends: Ends, scales: Scales, change: float, highe
     return highest
 
 
-@compiled()
+@compiled(counted=False)
 def _following(
     step: float, ends: Ends, scales: Scales, change: float, u: float
 ) -> tuple[float, float, float, float]:

@@ -82,7 +82,7 @@ class SwitchedTimeLaw:
         return times[:count]
 
 
-@compiled()
+@compiled(counted=False)
 def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -> None:
     """Fill start times t (m,) and pieces (m, 5): integral of s so far, s, s_dot, s_ddot and s_dddot."""
     m = s.size
@@ -105,7 +105,7 @@ def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -
     last_piece[0], last_piece[1] = area, s[m - 1]
 
 
-@compiled()
+@compiled(counted=False)
 def _state(t: Array, pieces: Array, early: float, time: float, i: int) -> tuple[float, float, float, int]:
     """Integral of s, s and s_dot at a time, searched from piece i on; and the index of the piece."""
     if time <= 0.0:
@@ -128,7 +128,7 @@ def _state(t: Array, pieces: Array, early: float, time: float, i: int) -> tuple[
     )
 
 
-@compiled()
+@compiled(counted=False)
 def averaged(t: Array, pieces: Array, early: float, window: float, times: Array, values: Array) -> None:
     """Fill values (3, m): s, s_dot, s_ddot of the averaged law at increasing times.
 
@@ -143,7 +143,7 @@ def averaged(t: Array, pieces: Array, early: float, window: float, times: Array,
         values[2, k] = (v - past_v) / window
 
 
-@compiled()
+@compiled(counted=False)
 def fill_times(
     t: Array, pieces: Array, early: float, window: float, longest: float, weight: Array, times: Array
 ) -> int:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -372,9 +371,10 @@ def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
         even = np.arange(0.0, law.duration, LONGEST_STEP)
         worst = np.ones(len(even))
         np.maximum.at(worst, np.minimum((times / LONGEST_STEP).astype(int), len(even) - 1), excess)
-        reach = int(0.5 * law.window / LONGEST_STEP) + 1
-        around = np.pad(worst, reach, constant_values=1.0)
-        excess, times = sliding_window_view(around, 2 * reach + 1).max(axis=1), even
+        excess, times = worst.copy(), even
+        for shift in range(1, int(0.5 * law.window / LONGEST_STEP) + 2):
+            excess[shift:] = np.maximum(excess[shift:], worst[:-shift])
+            excess[:-shift] = np.maximum(excess[:-shift], worst[shift:])
     # A grid point covers the checks up to its neighbours, and the check before it where the grid is finer.
     index = np.clip(np.searchsorted(grid_times, times), 1, len(grid_times) - 1)
     lowered = excess[np.clip(np.searchsorted(times, grid_times) - 1, 0, len(times) - 1)]

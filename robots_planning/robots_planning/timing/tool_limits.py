@@ -222,7 +222,8 @@ def travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
     rate, along, across = np.zeros((m, 2)), np.zeros((m, 2)), np.zeros((m, 2))
     for i in range(m):
         for part in range(2):
-            first, second = row_of(x_s[i].reshape(2, 3), part), row_of(x_ss[i].reshape(2, 3), part)
+            x, y, z = 3 * part, 3 * part + 1, 3 * part + 2
+            first, second = (x_s[i, x], x_s[i, y], x_s[i, z]), (x_ss[i, x], x_ss[i, y], x_ss[i, z])
             rate[i, part] = sqrt(dot(first, first))
             if rate[i, part] > STANDSTILL:
                 along[i, part] = dot(first, second) / rate[i, part]

@@ -157,6 +157,9 @@ class CartesianGenerator(TrajectoryGenerator):
 
     def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
         """The route that takes least time; others are left out once they are sure to take longer."""
+        if len(routes) == 1:
+            pieces = [self.along(piece.joints, piece.tool(path)) for piece in routes[0]]
+            return one_after_another(pieces), routes[0]
         best: tuple[Trajectory, Route] | None = None
         longest = np.inf
         timed: dict[RoutePiece, Trajectory] = {}
