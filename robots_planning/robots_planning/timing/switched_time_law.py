@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 SMALLEST_JUMP = 2e-3  # of a limit; smaller jumps of acceleration get no points of their own
+CLOSEST = 0.3  # of a ramp; grid points closer than this to another point are left out
+CLOSEST_RAMPS = 2e-4  # s between the ends of two ramps
 BISECTIONS = 40  # resolve a nanosecond in a quarter of an hour
 
 
@@ -144,31 +146,56 @@ def averaged(t: Array, pieces: Array, early: float, window: float, times: Array,
 
 
 @compiled(counted=False)
+def _fill_jumps(t: Array, pieces: Array, early: float, weight: Array, jumps: Array) -> int:
+    """Fill the grid times at which acceleration jumps, and return their number."""
+    number = 0
+    for i in range(t.size):
+        before = early if i == 0 else pieces[i - 1, 3] + (t[i] - t[i - 1]) * pieces[i - 1, 4]
+        after = 0.0 if i == t.size - 1 else pieces[i, 3]
+        if weight[i] * abs(after - before) > SMALLEST_JUMP:
+            jumps[number] = t[i]
+            number += 1
+    return number
+
+
+@compiled()
 def fill_times(
     t: Array, pieces: Array, early: float, window: float, longest: float, weight: Array, times: Array
 ) -> int:
     """Fill times and return their number: ends of ramps, and between them steps of at most `longest`."""
-    m = t.size
-    count = 1
-    times[0] = 0.0
-    for i in range(m):
-        before = early if i == 0 else pieces[i - 1, 3] + (t[i] - t[i - 1]) * pieces[i - 1, 4]
-        after = 0.0 if i == m - 1 else pieces[i, 3]
-        jump = weight[i] * abs(after - before) > SMALLEST_JUMP
-        ends = 2 if jump else 1
-        for end in range(ends):
-            time = t[i] + (end * window if jump else 0.5 * window)
-            gap = time - times[count - 1]
-            # Points that nearly coincide add nothing and magnify rounding.
-            if gap < 0.3 * window:
+    m, jumps = t.size, np.full(t.size + 1, inf)
+    number = _fill_jumps(t, pieces, early, weight, jumps)
+    # Points that nearly coincide add nothing and magnify rounding.
+    apart = CLOSEST * min(window, longest)
+    closest = min(apart, CLOSEST_RAMPS)
+    times[0], count = 0.0, 1
+    # The next ramp to begin, the next to end, the next grid point, and the next jump among those.
+    begin = end = i = jump = 0
+    while end < number or i < m:
+        ramp = min(jumps[begin], jumps[end] + window)
+        time, least = ramp, closest
+        if i < m and t[i] == jumps[jump]:
+            i, jump = i + 1, jump + 1
+            continue
+        if i < m and t[i] + 0.5 * window < ramp:
+            time, least = t[i] + 0.5 * window, apart
+            i += 1
+            if ramp - time < apart:
                 continue
-            parts = int(np.ceil(gap / longest))
-            begin = times[count - 1]
-            for part in range(1, parts + 1):
-                times[count] = begin + gap * part / parts
-                count += 1
+        elif jumps[begin] == ramp:
+            begin += 1
+        else:
+            end += 1
+        gap = time - times[count - 1]
+        if gap < least:
+            continue
+        parts = int(np.ceil(gap / longest))
+        start = times[count - 1]
+        for part in range(1, parts + 1):
+            times[count] = start + gap * part / parts
+            count += 1
     duration = t[m - 1] + window
-    if duration - times[count - 1] < 0.3 * window and count > 1:
+    if duration - times[count - 1] < closest and count > 1:
         count -= 1
     times[count] = duration
     return count + 1
