@@ -35,8 +35,9 @@ from robots_planning.free_paths.free_path_search import FreePathSearch
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_path_kernel import travel
 from robots_planning.timing.path_speed_cap import PathSpeedCap
-from robots_planning.timing.tool_limits import tool_derivatives, travel
+from robots_planning.timing.tool_limits import tool_derivatives
 from robots_planning.trajectory_generators.collision_free_joint import CollisionFreeJoint
 from robots_planning.trajectory_generators.curves_cartesian import SplineCartesian
 from robots_planning.trajectory_generators.linear_cartesian import (

@@ -110,6 +110,12 @@ def test_a_line_is_straight_and_turns_about_one_axis() -> None:
     assert end.distance_to(line.end)[1] < 1e-14
 
 
+def test_a_line_has_the_rates_of_any_path() -> None:
+    line, s = PATHS['line'], np.linspace(0.0, 1.0, 7)
+    for own, found in zip(line.travel(s), CartesianPath.travel(line, s), strict=True):
+        np.testing.assert_allclose(own, found, atol=1e-12)
+
+
 def test_an_arc_passes_start_via_and_end_in_order_on_one_circle() -> None:
     start, via, end = random_poses(6, 3)
     arc = CircularArc(start, via, end)

@@ -4,7 +4,7 @@ import numpy as np
 
 from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
-from robots_core.validation import read_only
+from robots_core.validation import Array, read_only
 from robots_planning.paths.cartesian_path import CartesianPath, empty_pieces
 
 
@@ -32,3 +32,8 @@ class CartesianLine(CartesianPath):
             length=float(np.linalg.norm(self.translation)),
             angle=float(np.linalg.norm(self.rotation)),
         )
+
+    def travel(self, s: Array) -> tuple[Array, Array, Array]:
+        """See `CartesianPath.travel`; both rates are constant."""
+        none = np.zeros((len(s), 2))
+        return np.full((len(s), 2), (self.length, self.angle)), none, none

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
-from robots_planning.paths.cartesian_path_kernel import PathArrays, poses_on_path
+from robots_planning.paths.cartesian_path_kernel import PathArrays, poses_on_path, travel
 from robots_planning.timing.quintic import interval_at
 
 # Poses closer than this coincide: the difference is rounding of commands and messages.
@@ -96,6 +96,11 @@ class CartesianPath:
         samples = PathSamples(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 6)), np.empty((m, 6)))
         poses_on_path(self.arrays, values, samples.r, samples.T, samples.x_s, samples.x_ss)
         return samples
+
+    def travel(self, s: Array) -> tuple[Array, Array, Array]:
+        """Rates of arc length and angle over s at `s` (m,), (m, 2) each; see `travel` of compiled code."""
+        samples = self.sample(s)
+        return travel(samples.x_s, samples.x_ss)
 
     def part(self, begin: float, end: float) -> CartesianPath:
         """The path from s = `begin` to s = `end`, backwards if `end` < `begin`, over an s of its own.

@@ -2,13 +2,16 @@
 
 from math import cos, sin, sqrt
 
+import numpy as np
+
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import Vector, add, row_of, scale
+from robots_core.kernels.vectors import Vector, add, dot, row_of, scale, subtract
 from robots_core.validation import Array
 from robots_planning.timing.quintic import interval_at
 
 # Below this angle (rad) the power series is exact to rounding, the closed form is not.
 SMALL_ANGLE = 0.05
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 PathArrays = tuple[Array, Array, Array, Array, Array, Array]
 """Pieces of a path, x = s - breaks[i] in piece i: breaks (m + 1,); position polynomial (m, 6, 3) in powers of
@@ -93,3 +96,27 @@ def poses_on_path(path: PathArrays, s: Array, r: Array, T: Array, x_s: Array, x_
     """`pose_on_path` for every s (m,): fill (m, 3), (m, 3, 3), (m, 6), (m, 6)."""
     for i in range(s.size):
         pose_on_path(path, s[i], r[i], T[i], x_s[i], x_ss[i])
+
+
+@compiled()
+def travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
+    """Rates of arc length and angle over s, their derivatives, and the normal parts of x'', (m, 2) each.
+
+    With x' = |x'| t: |x'|' = t x'', and across the path x'' - (t x'') t.
+
+    Args:
+        x_s: First derivative of the tool's pose, (m, 6): linear, then angular.
+        x_ss: Second derivative, (m, 6).
+    """
+    m = len(x_s)
+    rate, along, across = np.zeros((m, 2)), np.zeros((m, 2)), np.zeros((m, 2))
+    for i in range(m):
+        for part in range(2):
+            x, y, z = 3 * part, 3 * part + 1, 3 * part + 2
+            first, second = (x_s[i, x], x_s[i, y], x_s[i, z]), (x_ss[i, x], x_ss[i, y], x_ss[i, z])
+            rate[i, part] = sqrt(dot(first, first))
+            if rate[i, part] > STANDSTILL:
+                along[i, part] = dot(first, second) / rate[i, part]
+                second = subtract(second, scale(along[i, part] / rate[i, part], first))
+            across[i, part] = sqrt(dot(second, second))
+    return rate, along, across

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import sqrt
 
 import numpy as np
 
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, SerialChain, next_frame
-from robots_core.kernels.vectors import add, cross, dot, row_of, scale, subtract, times
+from robots_core.kernels.vectors import add, cross, row_of, scale, subtract, times
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.cartesian_path_kernel import travel
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.trajectory_generators.trajectory_generator import LIMIT_MARGIN
 
-STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 AT_CORNER = 1e-9  # of s: rounding of a place on a corner
 
 
@@ -107,12 +106,11 @@ def path_limits(
 
     def limits(s: Array) -> LimitedRates:
         if turning_tool is None:
-            samples = tool_path.sample(s)
-            x_s, x_ss = samples.x_s, samples.x_ss
+            rates = tool_path.travel(s)
         else:
             tools = np.tile(turning_tool, (len(s), 1))
-            x_s, x_ss = tool_derivatives(chain, tools, *joint_path.evaluate(s))
-        return LimitedRates(*travel(x_s, x_ss), tool[::2], tool[1::2])
+            rates = travel(*tool_derivatives(chain, tools, *joint_path.evaluate(s)))
+        return LimitedRates(*rates, tool[::2], tool[1::2])
 
     return PathLimits(limits)
 
@@ -206,27 +204,3 @@ def tool_derivatives(
             first[row, k], first[row, 3 + k] = v[k], omega[k]
             second[row, k], second[row, 3 + k] = a[k], alpha[k]
     return first, second
-
-
-@compiled()
-def travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
-    """Rates of arc length and angle over s, their derivatives, and the normal parts of x'', (m, 2) each.
-
-    With x' = |x'| t: |x'|' = t x'', and across the path x'' - (t x'') t.
-
-    Args:
-        x_s: First derivative of the tool's pose, (m, 6): linear, then angular.
-        x_ss: Second derivative, (m, 6).
-    """
-    m = len(x_s)
-    rate, along, across = np.zeros((m, 2)), np.zeros((m, 2)), np.zeros((m, 2))
-    for i in range(m):
-        for part in range(2):
-            x, y, z = 3 * part, 3 * part + 1, 3 * part + 2
-            first, second = (x_s[i, x], x_s[i, y], x_s[i, z]), (x_ss[i, x], x_ss[i, y], x_ss[i, z])
-            rate[i, part] = sqrt(dot(first, first))
-            if rate[i, part] > STANDSTILL:
-                along[i, part] = dot(first, second) / rate[i, part]
-                second = subtract(second, scale(along[i, part] / rate[i, part], first))
-            across[i, part] = sqrt(dot(second, second))
-    return rate, along, across
