@@ -1,7 +1,6 @@
 """What a robot model consists of: kinematics, dynamics, shapes, and dimensions (the paper's records)."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 import pinocchio as pin
@@ -9,7 +8,7 @@ import pinocchio as pin
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.motion_checks import of_motion
 from robots_core.robot_model.shapes import Shape
-from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 
 class KinematicModel:
@@ -72,20 +71,10 @@ class RigidDynamicsModel:
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        model, data = self._model, self._data
-        try:  # as in `of_motion`
-            M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-            if (
-                q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
-                and q.ndim == q_dot.ndim == q_ddot.ndim == 1
-                and isfinite(sum(q.tolist(), sum(q_dot.tolist(), sum(q_ddot.tolist()))))
-            ):
-                return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
-        except (AttributeError, TypeError, ValueError):
-            pass
         q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-        M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-        return M.dot(q_ddot) + tau_aux, M, tau_aux
+        M = pin.crba(self._model, self._data, q)
+        tau_aux = pin.nonLinearEffects(self._model, self._data, q, q_dot)
+        return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """Joint torques (n,), N m, for a motion: inverse dynamics."""

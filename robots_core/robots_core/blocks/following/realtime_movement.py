@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.blocks.following.pose_following import pose_following
+from robots_core.blocks.following.pose_following import FollowedStep, pose_following
 from robots_core.blocks.following.pose_reference import PoseReference, moved
 from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.blocks.multibody.loaded_robot import LoadedRobot
@@ -187,13 +187,16 @@ class RealtimeMovement:
         except UnreachablePoseError as error:
             braked = self._following.brake(q, q_dot)
             errors = self._following.pose(braked[0]).distance_to(target)
-            return replace(self._result(braked, False, errors, 0.0, (error.message,)), error=error)
-        errors = (step.position_error, step.orientation_error)
-        turns_freely = self._following.hold != POSE
-        if errors[0] > LARGEST_LEAD[0] or (errors[1] > LARGEST_LEAD[1] and not turns_freely):
+            step = FollowedStep(braked, *errors, limits=(error.message,))
+            return replace(self._result(step, feasible=False), error=error)
+        if not self._within(LARGEST_LEAD, step):
             self._integrated = None
-        near = errors[0] <= self._tolerances[0] and (turns_freely or errors[1] <= self._tolerances[1])
-        return self._result(step.state, near and step.slack <= 0.0, errors, step.slack, step.limits)
+        return self._result(step, feasible=self._within(self._tolerances, step) and step.slack <= 0.0)
+
+    def _within(self, bounds: tuple[float, float], step: FollowedStep) -> bool:
+        """The errors are at most these, m and rad; the angle counts where whole poses are followed."""
+        turns_freely = self._following.hold != POSE
+        return step.position_error <= bounds[0] and (turns_freely or step.orientation_error <= bounds[1])
 
     def _target(self, now: float, q: Array) -> tuple[Pose, Array]:
         """Pose of the tool at the end of the period, and its twist (6,)."""
@@ -207,16 +210,20 @@ class RealtimeMovement:
     def _brake(self) -> RealtimeStep:
         moving = bool(self._state[1].any())
         self._movement = MovementState.STALE if moving else MovementState.IDLE
-        return self._result(self._following.brake(self._state[0], self._state[1]), True, (0.0, 0.0), 0.0, ())
+        step = FollowedStep(self._following.brake(self._state[0], self._state[1]), 0.0, 0.0)
+        return self._result(step, feasible=True)
 
-    def _result(
-        self,
-        state: Array,
-        feasible: bool,  # noqa: FBT001  # of a private method
-        errors: tuple[float, float],
-        slack: float,
-        limits: tuple[str, ...],
-    ) -> RealtimeStep:
-        self._state = np.array(state)
-        q, q_dot, q_ddot = (read_only(row) for row in state)
-        return RealtimeStep(q, q_dot, q_ddot, self._movement, feasible, *errors, slack, limits)
+    def _result(self, step: FollowedStep, *, feasible: bool) -> RealtimeStep:
+        self._state = np.array(step.state)
+        q, q_dot, q_ddot = (read_only(row) for row in step.state)
+        return RealtimeStep(
+            q,
+            q_dot,
+            q_ddot,
+            self._movement,
+            feasible,
+            step.position_error,
+            step.orientation_error,
+            step.slack,
+            step.limits,
+        )
