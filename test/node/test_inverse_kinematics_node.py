@@ -23,7 +23,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.inverse_kinematics_node import InverseKinematicsNode
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.messages import BUILD, pose_message, seconds
+from robots_core.ros.messages import BUILD, seconds
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
@@ -56,7 +56,7 @@ class GuidedRobot(Bench):
     def _send(self) -> None:
         stamp = self.peer.get_clock().now().to_msg()
         if self.pose is not None:
-            message = PoseStamped(pose=pose_message(self.pose))
+            message = PoseStamped(pose=BUILD.pose(self.pose.r, self.pose.quaternion()))
             message.header.stamp = stamp
             self.poses.publish(message)
         if self.twist is not None:
@@ -86,7 +86,7 @@ def test_a_pose_is_followed_until_none_comes(ros_nodes: Any, method: str) -> Non
 
 def test_nan_is_refused_with_a_diagnostic_and_moves_nothing(ros_nodes: Any) -> None:
     bench = GuidedRobot(ros_nodes)
-    message = PoseStamped(pose=pose_message(POSE))
+    message = PoseStamped(pose=BUILD.pose(POSE.r, POSE.quaternion()))
     message.pose.position.x = float('nan')
     bench.poses.publish(message)
     bench.until_health(DiagnosticStatus.WARN, 'nan')

@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseStamped
 
 from control_interfaces import control_msgs
 from robots_core import Pose
-from robots_core.ros.messages import doubles, pose_message
+from robots_core.ros.messages import BUILD, doubles
 
 from .served_robot import ServedRobot
 
@@ -42,7 +42,7 @@ def primitive(
     from control_msgs.msg import MotionArgument, MotionPrimitive  # noqa: PLC0415  # built by the fixture
 
     message = MotionPrimitive(type=kind, blend_radius=radius, joint_positions=doubles(np.array(joints)))
-    message.poses = [PoseStamped(pose=pose_message(pose)) for pose in poses]
+    message.poses = [PoseStamped(pose=BUILD.pose(pose.r, pose.quaternion())) for pose in poses]
     for pose in message.poses:
         pose.header.frame_id = frame
     message.additional_arguments = [MotionArgument(name=name, value=one) for name, one in arguments.items()]

@@ -21,7 +21,7 @@ from trajectory_msgs.msg import (
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core import BaseRobotModel, Pose
-from robots_core.ros.messages import BUILD, diagnostic_status, doubles, pose_message
+from robots_core.ros.messages import BUILD, diagnostic_status, doubles
 from robots_planning.motion_settings import MotionSettings, settings_status
 
 SHAPES: Final = (Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.TRIANGLE_LIST, Marker.MESH_RESOURCE)
@@ -73,7 +73,8 @@ def _base_motions(_: BaseRobotModel, __: Time) -> list[Any]:
 
 
 def _markers(robot: BaseRobotModel, _: Time) -> list[Any]:
-    pose = pose_message(Pose(*robot.direct_kinematics(robot.home)))
+    home = robot.pose(robot.home)
+    pose = BUILD.pose(home.r, home.quaternion())
     markers = [Marker(ns=str(shape), type=shape, pose=pose) for shape in SHAPES]
     for marker in markers:
         marker.scale.x = marker.scale.y = marker.scale.z = 0.1

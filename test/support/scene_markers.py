@@ -2,16 +2,14 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robots_core import Pose
 from robots_core.base_frames import BASE_FRAME, TOOL_FRAME
 from robots_core.blocks import Scene
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
-from robots_core.ros.messages import pose_message
+from robots_core.ros.messages import BUILD
 from robots_core.validation import Array
 
 
@@ -20,7 +18,8 @@ def markers(scene: Scene, stamp: Time) -> MarkerArray:
     array = MarkerArray()
     for items, frame in ((scene.objects, BASE_FRAME), (scene.attached, TOOL_FRAME)):
         for item in items:
-            marker = Marker(ns=item.name, action=Marker.ADD, pose=pose_message(item.pose))
+            pose = BUILD.pose(item.pose.r, item.pose.quaternion())
+            marker = Marker(ns=item.name, action=Marker.ADD, pose=pose)
             marker.header.stamp, marker.header.frame_id = stamp, frame
             c = marker.color
             c.r, c.g, c.b, c.a = item.colour
@@ -45,4 +44,4 @@ def _set_geometry(marker: Marker, geometry: Geometry) -> None:
 
 
 def _point(corner: Array) -> object:
-    return pose_message(Pose(corner, np.eye(3))).position
+    return BUILD.pose(corner, (0.0, 0.0, 0.0, 1.0)).position

@@ -80,10 +80,6 @@ def test_results_stay_when_the_block_is_called_again(
         np.testing.assert_array_equal(mine, copy)
 
 
-def test_axes_limits_are_those_of_the_robot(robot: BaseRobotModel):
-    assert DirectKinematics(robot).axes_limits is robot.axes_data
-
-
 @pytest.mark.parametrize('bad', [np.zeros(2), np.zeros((7, 1)), None])
 def test_bad_positions_are_refused(robot: BaseRobotModel, bad: np.ndarray | None):
     block = DirectKinematics(robot, tool=TOOL)

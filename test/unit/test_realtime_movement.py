@@ -132,8 +132,6 @@ def test_a_jump_is_not_feasible_until_it_is_caught_up_with(
 
 
 def test_bad_input_is_refused(robot: BaseRobotModel, posture: np.ndarray) -> None:
-    with pytest.raises(InvalidInputError, match='tolerance'):
-        RealtimeMovement(robot, DT, posture, tolerances=(0.0, 1.0))
     with pytest.raises(InvalidInputError, match='method'):
         RealtimeMovement(robot, DT, posture, method='guess')
     movement = RealtimeMovement(robot, DT, posture)

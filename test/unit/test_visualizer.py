@@ -119,16 +119,6 @@ def test_zones_are_shown_where_they_are():
         page.close()
 
 
-def test_tool_frame_stands_at_the_tool(robot: BaseRobotModel):
-    tool = Pose(np.array([0.1, 0.2, 0.3]), np.eye(3))
-    page = Visualizer(robot, port=0, tool=tool)
-    try:
-        pose = DirectKinematics(robot, tool=tool).forward(robot.home)
-        _assert_at(page._tool_frame, pose.r, pose.T)
-    finally:
-        page.close()
-
-
 @pytest.mark.parametrize('bad', ['nan', 'short'])
 def test_bad_positions_are_refused_and_change_nothing(
     robot: BaseRobotModel, visualizer: Visualizer, bad: str

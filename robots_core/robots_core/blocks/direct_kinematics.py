@@ -3,7 +3,6 @@
 import pinocchio as pin
 
 from robots_core.pose import Pose
-from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
@@ -19,11 +18,6 @@ class DirectKinematics:
     def __init__(self, robot: BaseRobotModel, *, tool: Pose | None = None) -> None:
         self.robot = robot
         self.tool = Pose.identity() if tool is None else tool
-
-    @property
-    def axes_limits(self) -> AxesData:
-        """Limits of the axes (the paper's `AxesLimits`)."""
-        return self.robot.axes_data
 
     def forward(self, q: Array) -> Pose:
         """Pose of the tool in the base frame.

@@ -12,7 +12,6 @@ import viser
 
 from robots_core.blocks.collision.robot_solids import flange
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
-from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.page_camera import FIELD_OF_VIEW, VIEWS, CameraView, PlacedBounds, View, camera_view
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
@@ -50,21 +49,12 @@ class Visualizer:
         robot: The robot.
         host: Network address to serve at; '0.0.0.0' serves the whole network.
         port: First port to try; if it is busy the next free one is used; 0: chosen by the system.
-        tool: Pose of the tool centre point in tool0; identity: tool0 itself.
 
     Raises:
         InvalidInputError: a host that this machine does not have, or a port outside 0..65535.
     """
 
-    def __init__(
-        self,
-        robot: BaseRobotModel,
-        *,
-        host: str = '127.0.0.1',
-        port: int = 8080,
-        tool: Pose | None = None,
-    ) -> None:
-        self._kinematics = DirectKinematics(robot, tool=tool)
+    def __init__(self, robot: BaseRobotModel, *, host: str = '127.0.0.1', port: int = 8080) -> None:
         self._robot = robot
         self._host = host
         self._reach = stretched_length(robot)
@@ -113,7 +103,7 @@ class Visualizer:
         if np.array_equal(q, self._shown):
             return
         r, T = self._robot.kinematic_model.frame_axes(q)
-        tool = self._kinematics.forward(q)
+        tool = self._robot.pose(q)
         with self._server.atomic():
             for frame, position, orientation in zip(self._frames[1:], r, T, strict=True):
                 frame.position, frame.wxyz = position, _wxyz(orientation)
@@ -132,7 +122,7 @@ class Visualizer:
         if self.watched:
             self.update(q)
         else:
-            r = self._kinematics.forward(q).r
+            r = self._robot.pose(q).r
             if not self._unseen or float(np.linalg.norm(r - self._unseen[-1])) >= SPACING:
                 self._unseen.append(r)
 

@@ -173,11 +173,6 @@ def pose_from_message(message: PoseMessage) -> Pose:
     return Pose.from_quaternion(r, [o.x, o.y, o.z, o.w])
 
 
-def pose_message(pose: Pose) -> PoseMessage:
-    """A geometry_msgs/Pose from a Pose."""
-    return BUILD.pose(pose.r, pose.quaternion())
-
-
 def pose_in_base(frame: str, message: PoseMessage, base_link: Pose) -> Pose:
     """The pose in the robot's base, of a message in one of `BASE_FRAMES`.
 

@@ -31,11 +31,6 @@ SENSOR: Final = _RCLPY[table.SENSOR]
 COMMAND: Final = _RCLPY[table.COMMAND]
 
 
-def published_qos(topic: str) -> QoSProfile:
-    """Of the publishers of a topic of the suite."""
-    return _RCLPY[topic_qos(topic).published]
-
-
 def polled_qos(topic: str) -> QoSProfile:
     """Of a subscription that a loop empties itself."""
     return _RCLPY[topic_qos(topic).polled]
@@ -49,7 +44,7 @@ def every_message(topic: str) -> QoSProfile:
 
 def make_publisher(node: Node, message_type: Any, topic: str) -> Any:
     """A publisher of a topic of the suite."""
-    return node.create_publisher(message_type, topic, published_qos(topic))
+    return node.create_publisher(message_type, topic, _RCLPY[topic_qos(topic).published])
 
 
 def subscribe(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, MeasurementError
-from robots_core.validation import Array, positive, read_only
+from robots_core.validation import Array, read_only
 
 WINDOW: Final = 0.2  # s
 DEGREE: Final = 3
@@ -46,25 +46,23 @@ class MotionSamples:
             object.__setattr__(self, name, values)
 
     @classmethod
-    def from_recording(
-        cls, time: ArrayLike, q: ArrayLike, tau: ArrayLike, *, window: float = WINDOW
-    ) -> MotionSamples:
+    def from_recording(cls, time: ArrayLike, q: ArrayLike, tau: ArrayLike) -> MotionSamples:
         """Samples from recorded positions and torques, which may be noisy.
 
-        A polynomial of degree 3 is fitted around every sample, to positions and torques alike, so that both
-        are delayed and smoothed equally (Savitzky and Golay 1964, for any times).
+        A polynomial of degree 3 over `WINDOW` is fitted around every sample, to positions and torques alike,
+        so that both are delayed and smoothed equally (Savitzky and Golay 1964, for any times). Samples are
+        half a window apart.
 
         Args:
             time: (m,) s, ascending.
             q: (m, n) rad (m).
             tau: (m, n) N m (N).
-            window: Time that one polynomial spans, s; samples are half of it apart.
 
         Raises:
             InvalidInputError: other shapes, values that are not finite, or times that do not ascend.
             MeasurementError: nowhere are there enough values in a window.
         """
-        half = 0.5 * positive(window, 'window', 's')
+        half = 0.5 * WINDOW
         t, values = _checked(time, q, tau)
         samples = [
             _centre(t[first:last] - middle, values[:, first:last])
@@ -75,12 +73,12 @@ class MotionSamples:
         if not samples:
             raise MeasurementError(
                 f'{len(t)} values in {t[-1] - t[0]:.3g} s are no recording of a motion; needed are '
-                f'{FEWEST_IN_WINDOW} in {window:g} s',
+                f'{FEWEST_IN_WINDOW} in {WINDOW:g} s',
                 key='no_motion',
                 count=len(t),
                 duration=float(t[-1] - t[0]),
                 fewest=FEWEST_IN_WINDOW,
-                window=window,
+                window=WINDOW,
             )
         return cls(*np.moveaxis(np.array(samples), 1, 0))
 

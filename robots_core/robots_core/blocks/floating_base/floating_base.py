@@ -29,8 +29,7 @@ class FloatingBase:
 
     Args:
         robot: The robot, without gravity; its base body needs a mass and an inertia.
-        q: Joint positions at the start, (n,), rad (m), at rest.
-        pose: Of the base in the world at the start; the world's origin by default.
+        q: Joint positions at the start, (n,), rad (m), at rest; the base is at the world's origin.
         twist: Velocity of the base (m/s), then angular velocity (rad/s), (6,), in base axes.
         payload: Payload on tool0.
 
@@ -44,7 +43,6 @@ class FloatingBase:
         robot: BaseRobotModel,
         q: ArrayLike,
         *,
-        pose: Pose | None = None,
         twist: ArrayLike = (0.0,) * 6,
         payload: Payload = NOTHING,
     ) -> None:
@@ -58,8 +56,7 @@ class FloatingBase:
         self.robot, self._n = robot, robot.num_axes
         self.wheel_momentum = read_only(np.zeros(3))
         """Angular momentum of the wheels, (3,), N m s, in base axes."""
-        pose = Pose.identity() if pose is None else pose
-        self._place = pin.SE3(np.array(pose.T), np.array(pose.r))
+        self._place = pin.SE3.Identity()
         self._q = np.array(finite_vector(q, self._n, 'q'))
         self._q_dot, self._q_ddot = np.zeros((2, self._n))
         self._twist = np.array(finite_vector(twist, 6, 'twist'))

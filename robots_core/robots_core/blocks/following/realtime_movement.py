@@ -19,6 +19,8 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
 
+# A reference that is further away is not feasible; the angle counts where whole poses are followed.
+TOLERANCES: Final = (1e-3, 5e-3)  # m, rad
 # Largest lead of the integrated pose over the robot while servoing.
 LARGEST_LEAD: Final = (0.01, 0.02)  # m, rad
 
@@ -90,8 +92,6 @@ class RealtimeMovement:
         method: 'constrained' (all limits, torques too), 'damped_least_squares' or 'analytical'.
         hold: What of the reference is followed, see `held_by`; what the arm can by default.
         timeout: Without a sample for this long the reference is stale, s.
-        tolerances: A reference that is further away (m, rad) than this is not feasible; the angle counts
-            where whole poses are followed.
 
     Raises:
         InvalidInputError: an option out of its range.
@@ -109,14 +109,9 @@ class RealtimeMovement:
         method: str = METHODS[0],
         hold: str = '',
         timeout: float = 0.2,
-        tolerances: tuple[float, float] = (1e-3, 5e-3),
     ) -> None:
         self.robot, self.timeout = robot, timeout
         self.dt = positive(dt, 'dt', 's')
-        self._tolerances = (
-            positive(tolerances[0], 'position tolerance', 'm'),
-            positive(tolerances[1], 'orientation tolerance', 'rad'),
-        )
         self._make_following = partial(
             pose_following, method, dt=dt, tool=Pose.identity() if tool is None else tool, hold=hold
         )
@@ -191,10 +186,10 @@ class RealtimeMovement:
             return replace(self._result(step, feasible=False), error=error)
         if not self._within(LARGEST_LEAD, step):
             self._integrated = None
-        return self._result(step, feasible=self._within(self._tolerances, step) and step.slack <= 0.0)
+        return self._result(step, feasible=self._within(TOLERANCES, step) and step.slack <= 0.0)
 
     def _within(self, bounds: tuple[float, float], step: FollowedStep) -> bool:
-        """The errors are at most these, m and rad; the angle counts where whole poses are followed."""
+        """The errors are at most these, m and rad."""
         turns_freely = self._following.hold != POSE
         return step.position_error <= bounds[0] and (turns_freely or step.orientation_error <= bounds[1])
 

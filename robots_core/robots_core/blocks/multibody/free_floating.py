@@ -28,9 +28,8 @@ class FreeFloatingRobot:
 
     Args:
         robot: The robot; its base body needs a mass and an inertia.
-        q: Joint positions at the start, (n,), rad (m).
+        q: Joint positions at the start, (n,), rad (m); the base is at the world's origin.
         q_dot: Joint velocities at the start, (n,), rad/s; at rest by default.
-        pose: Of the base in the world at the start; the world's origin by default.
         twist: Velocity of the base (m/s), then angular velocity (rad/s), (6,), in base axes.
         payload: Payload on tool0.
 
@@ -44,7 +43,6 @@ class FreeFloatingRobot:
         q: ArrayLike,
         *,
         q_dot: ArrayLike | None = None,
-        pose: Pose | None = None,
         twist: ArrayLike | None = None,
         payload: Payload = NOTHING,
     ) -> None:
@@ -56,9 +54,8 @@ class FreeFloatingRobot:
         self.model = numerical.model
         self.model.gravity.linear = numerical.gravity
         self._data = self.model.createData()
-        pose = Pose.identity() if pose is None else pose
-        base = np.concatenate([pose.r, pose.quaternion()])
-        self._configuration = np.concatenate([base, finite_vector(q, n, 'q')])
+        self._configuration = pin.neutral(self.model)  # its base at the world's origin
+        self._configuration[7:] = finite_vector(q, n, 'q')
         self._velocity = np.zeros(6 + n)
         if twist is not None:
             self._velocity[:6] = finite_vector(twist, 6, 'twist')

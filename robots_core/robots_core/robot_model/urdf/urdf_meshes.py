@@ -44,17 +44,14 @@ def _found(filename: str, folder: Path) -> Path | None:
         return next((path for path in _candidates(filename, folder) if path.is_file()), None)
     except (OSError, ValueError) as problem:  # too long, a null character, or no address
         raise UnknownRobotError(
-            f'{filename[:100]!r} names no mesh file: {_cause(problem)}', mesh=filename
+            f'{filename[:100]!r} names no mesh file: {getattr(problem, "strerror", None) or problem}',
+            mesh=filename,
         ) from None
 
 
 def _searched(filename: str, folder: Path) -> str:
     packages = ', in AMENT_PREFIX_PATH and ROS_PACKAGE_PATH' if filename.startswith('package:') else ''
     return f'beside or below {folder}{packages}'
-
-
-def _cause(problem: OSError | ValueError) -> str:
-    return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
 
 
 def _candidates(filename: str, folder: Path) -> list[Path]:
