@@ -41,20 +41,19 @@ def load_robot_model(name: str, **options: Any) -> BaseRobotModel:
     """
     plain, _, query = name.partition('?')
     texts = _texts(name, query)
+    given, options = texts | options, {key: _value(text) for key, text in texts.items()} | options
     if plain.startswith(XACRO_PREFIX):
-        return _load_xacro(Path(plain.removeprefix(XACRO_PREFIX)), texts, options)
-    options = {key: _value(text) for key, text in texts.items()} | options
+        return _load_xacro(Path(plain.removeprefix(XACRO_PREFIX)), given, options)
     if plain.startswith(URDF_PREFIX):
         _check_options(plain, UrdfRobotModel, (Path(),), options)
         return UrdfRobotModel(Path(plain.removeprefix(URDF_PREFIX)), **options)
     return _load_plugin(plain, options)
 
 
-def _load_xacro(path: Path, texts: Mapping[str, str], options: Mapping[str, Any]) -> BaseRobotModel:
+def _load_xacro(path: Path, given: Mapping[str, Any], options: Mapping[str, Any]) -> BaseRobotModel:
     own = set(inspect.signature(UrdfRobotModel).parameters) - declared_arguments(path)
-    arguments = {key: str(value) for key, value in {**texts, **options}.items() if key not in own}
-    mine: dict[str, Any] = {key: _value(text) for key, text in texts.items() if key in own}
-    mine |= {key: value for key, value in options.items() if key in own}
+    arguments = {key: str(value) for key, value in given.items() if key not in own}
+    mine = {key: value for key, value in options.items() if key in own}
     return UrdfRobotModel(path, xacro_arguments=arguments, **mine)
 
 

@@ -27,7 +27,8 @@ from robots_core.validation import Array, finite_vector, one_of, positive, read_
 
 ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
 
-MARGINS: Final = (5e-4, 0.5)  # m
+# Of a cell, m: with none a robot touches what it passes, with much none moves.
+MARGINS: Final = (5e-4, 0.5)
 ROUNDING = 1e-6  # m, far above what the computed distances of one posture differ by
 # Pairs of an attached object and a link with at most so many axes between them are excluded if proven apart.
 NEAR_AXES = 2
@@ -347,18 +348,6 @@ class CollisionDetection:
             return Proximity(*names, 0.0, point, point)
         found = self._set.nearest(pair)
         return Proximity(*names, float(found[1]), read_only(found[5:]), read_only(found[2:5]))
-
-
-def usable_margin(margin: float) -> float:
-    """`margin` if a cell can be run with it: with none a robot touches what it passes, with much none moves.
-
-    Raises:
-        InvalidInputError: outside `MARGINS`.
-    """
-    low, high = MARGINS
-    if not low <= margin <= high:
-        raise InvalidInputError(f'margin = {margin!r} m must be in [{low:g}, {high:g}] m')
-    return float(margin)
 
 
 def checked_margin(margin: float) -> float:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from difflib import get_close_matches
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -19,7 +18,7 @@ from robots_core.files.user_file import read_text
 from robots_core.wording.nearest_name import nearest_name
 
 MAX_NODES: Final = 1_000_000
-MAX_KEPT: Final = 10_000  # characters
+SHORT: Final = 10_000  # characters
 # By what the parser says of a text that is not YAML.
 REMEDIES: Final = {
     "'\\t'": 'indent by spaces, not by tabs',
@@ -338,24 +337,14 @@ def parse_yaml(text: str, file: str) -> YamlSection:
 def compose_yaml(text: str, file: str) -> yaml.Node | None:
     """The nodes of a YAML text, each with its line; None if it is empty.
 
-    Those of the last texts are kept: nodes that share a process read the files of the same robot.
-
     Raises:
         InvalidInputError: not YAML, nested too deeply, or aliases that stand for more than a file holds.
     """
-    return (_kept_composed if len(text) <= MAX_KEPT else _composed)(text, file)
-
-
-@lru_cache(maxsize=32)
-def _kept_composed(text: str, file: str) -> yaml.Node | None:
-    # LibYAML takes a tenth of the time. It nests without end, which texts of this length cannot; what is
-    # wrong with a text, the parser in Python says.
-    with suppress(yaml.YAMLError, RecursionError):
-        return _checked(yaml.compose(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader)), file)
-    return _composed(text, file)
-
-
-def _composed(text: str, file: str) -> yaml.Node | None:
+    # LibYAML takes a tenth of the time. It nests without end, which short texts cannot; what is wrong with a
+    # text, the parser in Python says.
+    if len(text) <= SHORT:
+        with suppress(yaml.YAMLError, RecursionError):
+            return _checked(yaml.compose(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader)), file)
     try:
         return _checked(yaml.compose(text, Loader=yaml.SafeLoader), file)
     except (yaml.YAMLError, RecursionError) as error:

@@ -17,7 +17,7 @@ from robots_core.blocks.collision.collision_guard import (
     CollisionGuard,
 )
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection, usable_margin
+from robots_core.blocks.collision_detection import ENGINES, MARGINS, CollisionDetection
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import SerializedTrajectory
 from robots_core.ros.messages import (
@@ -46,9 +46,7 @@ class CollisionNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
-        margin = self.parameter(
-            'collision_margin', GUARD_MARGIN, 'distance to keep, m', bounds=MARGINS, read=usable_margin
-        )
+        margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', bounds=MARGINS)
         engine = self.parameter(
             'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', read=one_of('engine', ENGINES)
         )

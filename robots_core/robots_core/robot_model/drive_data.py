@@ -17,18 +17,8 @@ from robots_core.validation import Array, read_only
 DEFAULT_SPEED_BANDWIDTH: Final = 2.0 * np.pi * 20.0  # rad/s
 DEFAULT_SLOWER: Final = 5.0
 
-AT_LEAST: Final = {
-    'position_gain': 0.0,
-    'velocity_gain': 0.0,
-    'inertia': 0.0,
-    'coulomb_friction': 0.0,
-    'viscous_friction': 0.0,
-    'stiction': 1.0,
-    'damping': 0.0,
-    'back_emf': 0.0,
-    'current_damping': 0.0,
-}
 ABOVE_ZERO: Final = ('integral_time', 'torque_limit', 'stiffness', 'current_frequency')
+AT_LEAST: Final = {'stiction': 1.0}  # the others 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +68,17 @@ class DriveData:
             values = np.asarray(getattr(self, item.name), dtype=np.float64)
             if values.ndim != 1 or values.shape != n:
                 raise InvalidInputError(f'DriveData.{item.name} must have shape {n}, got {values.shape}')
+            least = AT_LEAST.get(item.name, 0.0)
             for value in values:
-                if item.name in AT_LEAST and not AT_LEAST[item.name] <= value < np.inf:
+                if item.name in ABOVE_ZERO:
+                    if not value > 0.0:
+                        raise InvalidInputError(
+                            f'{item.name} {value:g} of a drive must be above 0, or infinite'
+                        )
+                elif not least <= value < np.inf:
                     raise InvalidInputError(
-                        f'{item.name} {value:g} of a drive must be finite, {AT_LEAST[item.name]:g} or above'
+                        f'{item.name} {value:g} of a drive must be finite, {least:g} or above'
                     )
-                if item.name in ABOVE_ZERO and not value > 0.0:
-                    raise InvalidInputError(f'{item.name} {value:g} of a drive must be above 0, or infinite')
             object.__setattr__(self, item.name, read_only(values))
 
     @property

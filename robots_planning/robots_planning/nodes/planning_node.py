@@ -12,7 +12,7 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
+from robots_core.blocks.collision_detection import MARGINS, CollisionDetection
 from robots_core.cell_interface.motion_result import MotionResult
 from robots_core.cell_interface.operating_modes import Commander
 from robots_core.errors import RobotsError
@@ -78,11 +78,7 @@ class PlanningNode(RobotNode):
             self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal')
         )
         margin = self.parameter(
-            'collision_margin',
-            COLLISION_MARGIN,
-            'distance that motions keep, m',
-            bounds=MARGINS,
-            read=usable_margin,
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', bounds=MARGINS
         )
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
         self._scene = WatchedScene(self, planning.set_scene)

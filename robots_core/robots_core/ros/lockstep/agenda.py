@@ -91,10 +91,7 @@ class Agenda:
                     f'{1e-9 * turn.time:.9f} s, time cannot advance'
                 )
             return turn
-        if not advance:
-            return None
-        later = min((time for due in self._due.values() for time in due), default=NEVER)
-        if later == NEVER:
+        if not advance or self.empty:
             return None
         overdue = tuple(name for name, times in self._due.items() if min(times) <= self.time)
         if overdue and not self._over:

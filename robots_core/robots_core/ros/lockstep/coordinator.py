@@ -178,16 +178,12 @@ class Coordinator:
             self._gos[name] = self._node.create_publisher(Int64MultiArray, f'{name}/{GO}', ALL)
         try:
             if before is None or before.endpoints != announcement.endpoints:
-                self._change_roster(announcement)
+                self._traffic.join(name, announcement.endpoints)
+                self._send_roster()
+                self._go_on()
             self._begin_when_matched()
         except RobotsError as error:
             self._fail(LockstepError(error.message))
-
-    def _change_roster(self, announcement: Announcement) -> None:
-        name = announcement.name
-        self._traffic.join(name, announcement.endpoints)
-        self._send_roster()
-        self._go_on()
 
     def _send_roster(self) -> None:
         participants = {name: self._announced[name].endpoints for name in self._names}

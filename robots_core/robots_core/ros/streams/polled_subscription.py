@@ -42,7 +42,7 @@ class PolledSubscription:
     ) -> None:
         qos = polled_qos(topic) if qos is None else qos
         self._subscription = node.create_subscription(
-            message_type, topic, _never_called, qos, callback_group=NeverExecuted(), raw=raw
+            message_type, topic, lambda _: None, qos, callback_group=NeverExecuted(), raw=raw
         )
         participant: Participant | None = getattr(node, 'participant', None)
         self._participant = None if participant is None or participant.started else participant
@@ -120,7 +120,3 @@ class Arrivals:
                 wait_set.add_subscription(handle)
             wait_set.wait(max(0, int(1e9 * timeout)))  # below 0 it would wait without end
             return bool(wait_set.get_ready_entities('subscription'))
-
-
-def _never_called(message: object) -> None:
-    del message
