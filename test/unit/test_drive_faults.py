@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection
+from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
 from robots_core.errors import InvalidInputError
 
 NAMES = ('a', 'b', 'c')
@@ -21,20 +21,20 @@ def test_without_faults_all_passes():
 
 def test_a_stopped_drive_stays_until_it_is_repaired():
     injection = FaultInjection(NAMES)
-    injection.faults = DriveFaults.of(NAMES, stopped=['b'])
+    injection.faults = DriveFaults(stopped=known_axes(NAMES, ['b']))
     injection.reference(Q, V)
     q, v = injection.reference(Q + 1.0, V)
     np.testing.assert_allclose(q, [1.1, 0.2, 1.3])
     np.testing.assert_array_equal(v, [1.0, 0.0, 3.0])
     injection.faults = DriveFaults()
     np.testing.assert_array_equal(injection.reference(Q + 2.0, V)[0], Q + 2.0)
-    injection.faults = DriveFaults.of(NAMES, stopped=['b'])
+    injection.faults = DriveFaults(stopped=known_axes(NAMES, ['b']))
     assert injection.reference(Q + 3.0, V)[0][1] == 3.2
 
 
 def test_a_frozen_encoder_reports_one_position():
     injection = FaultInjection(NAMES)
-    injection.faults = DriveFaults.of(NAMES, frozen=['c'])
+    injection.faults = DriveFaults(frozen=known_axes(NAMES, ['c']))
     injection.feedback(Q, V)
     q, v, axes = injection.feedback(Q + 1.0, V)
     np.testing.assert_allclose(q, [1.1, 1.2, 0.3])
@@ -44,7 +44,7 @@ def test_a_frozen_encoder_reports_one_position():
 
 def test_a_lost_axis_does_not_report():
     injection = FaultInjection(NAMES)
-    injection.faults = DriveFaults.of(NAMES, lost=['a', ''])
+    injection.faults = DriveFaults(lost=known_axes(NAMES, ['a', '']))
     assert injection.feedback(Q, V)[2] == [1, 2]
 
 
@@ -62,7 +62,7 @@ def test_noise_is_as_large_as_asked_for_and_the_same_again():
 
 def test_bad_faults_are_named():
     with pytest.raises(InvalidInputError, match="no axis is called 'd'; axes are a, b, c"):
-        DriveFaults.of(NAMES, lost=['d'])
+        DriveFaults(lost=known_axes(NAMES, ['d']))
     for noise in (-1.0, np.nan, np.inf):
         with pytest.raises(InvalidInputError, match='noise'):
             DriveFaults(noise=noise)

@@ -20,8 +20,7 @@ from robots_controller.simulation.simulated_rendezvous import SimulatedRendezvou
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drives.drive_choice import drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
-from robots_core.blocks.multibody.payload import payload_of
+from robots_core.blocks.multibody.payload import CarriedPayload, payload_of
 from robots_core.errors import ProgramError
 from robots_core.validation import Array
 

@@ -16,7 +16,7 @@ from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
+from robots_core.blocks.multibody.payload import CarriedPayload
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.periodic.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose

@@ -18,8 +18,7 @@ from robots_core.blocks.drives.drive_choice import check_level, drive_train
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
-from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.payload import CarriedPayload, Payload
 from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.defaults import RATE
 from robots_core.nodes.shared_parameters import (
@@ -198,11 +197,9 @@ class DriveNode(ManagedNode):
         self.add_post_set_parameters_callback(lambda _: self._use_faults())
 
     def _use_faults(self) -> None:
-        stopped, frozen, lost = (self.get_parameter(name).value for name in FAULTS)
-        noise = self.get_parameter('fault_noise').value
-        self._injection.faults = DriveFaults.of(
-            self.robot.axes_data.names, stopped=stopped, frozen=frozen, lost=lost, noise=noise
-        )
+        names, noise = self.robot.axes_data.names, self.get_parameter('fault_noise').value
+        stopped, frozen, lost = (known_axes(names, self.get_parameter(name).value) for name in FAULTS)
+        self._injection.faults = DriveFaults(stopped, frozen, lost, noise)
 
     def _carry(self) -> None:
         """Take over the payload that programs set, between two steps."""

@@ -15,10 +15,9 @@ from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 from robots_core.base_frames import BASE_FRAME
 from robots_core.blocks.multibody.acceleration_estimate import AccelerationEstimate
 from robots_core.blocks.multibody.base_motion import BaseMotion
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.payload import CarriedPayload, Payload
 from robots_core.blocks.multibody.torque_status import torque_status
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.shared_parameters import carry_payload, payload_from_parameters

@@ -18,7 +18,7 @@ from robots_core.blocks.following.realtime_movement import RealtimeMovement, Rea
 from robots_core.blocks.following.sample_times import SampleTimes
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
+from robots_core.blocks.multibody.payload import CarriedPayload
 from robots_core.cell_interface.operating_modes import sensor_guides
 from robots_core.errors import RobotsError
 from robots_core.nodes.shared_parameters import (

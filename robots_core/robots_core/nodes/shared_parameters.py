@@ -5,8 +5,7 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
-from robots_core.blocks.multibody.payload import Payload, payload_of
+from robots_core.blocks.multibody.payload import CarriedPayload, Payload, payload_of
 from robots_core.errors import InvalidInputError
 from robots_core.periodic.resting_rate import LOWEST, RESTED, RESTING_RATE, RestingRate
 from robots_core.pose import Pose

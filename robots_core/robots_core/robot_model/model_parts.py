@@ -1,14 +1,15 @@
 """What a robot model consists of: kinematics, dynamics, shapes, and dimensions (the paper's records)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 import pinocchio as pin
 
 from robots_core.robot_model.allowed_pairs import AllowedPairs
-from robots_core.robot_model.motion_checks import of_motion
 from robots_core.robot_model.shapes import Shape
-from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 
 
 class KinematicModel:
@@ -89,6 +90,32 @@ class RigidDynamicsModel:
         """Torques (n,), N m, of Coriolis, centrifugal and gravitational forces."""
         q, q_dot = finite_state(q, q_dot, self._n)
         return np.asarray(pin.nonLinearEffects(self._model, self._data, q, q_dot))
+
+
+def of_motion(  # noqa: PLR0917  # in the order of Pinocchio's functions
+    function: Callable[..., Array], model: pin.Model, data: pin.Data, q: Array, q_dot: Array, x: Array
+) -> Array:
+    """`function(model, data, q, q_dot, x)`, one of `pin.rnea` and `pin.aba`, with arguments (n,) checked.
+
+    The model has one position per joint.
+
+    Raises:
+        InvalidInputError: an argument of another shape or not finite.
+    """
+    # A check of the result takes less time than one of the arguments. Pinocchio rejects arrays of another
+    # size, but accepts columns and misreads another byte order. Its result is finite only if q and x are;
+    # the speed of a single axis that slides has no effect on it.
+    try:
+        result = function(model, data, q, q_dot, x)
+        if (
+            q.dtype is q_dot.dtype is x.dtype is FLOAT64
+            and q.ndim == q_dot.ndim == x.ndim == 1
+            and isfinite(sum(result.tolist(), sum(q_dot.tolist())))
+        ):
+            return result
+    except (AttributeError, TypeError, ValueError):
+        pass
+    return function(model, data, *finite_motion(q, q_dot, x, model.nv))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """DriveFaults: simulated failures of drives and encoders, for tests of the rest of the system."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -33,23 +31,6 @@ class DriveFaults:
     def __post_init__(self) -> None:
         if not 0.0 <= self.noise < np.inf:
             raise InvalidInputError(f'noise = {self.noise!r} rad must be a finite number, 0 or above')
-
-    @classmethod
-    def of(
-        cls,
-        names: Sequence[str],
-        *,
-        stopped: Iterable[str] = (),
-        frozen: Iterable[str] = (),
-        lost: Iterable[str] = (),
-        noise: float = 0.0,
-    ) -> DriveFaults:
-        """Faults of axes that exist; empty names are left out.
-
-        Raises:
-            InvalidInputError: no axis has that name, or noise below zero.
-        """
-        return cls(known_axes(names, stopped), known_axes(names, frozen), known_axes(names, lost), noise)
 
 
 def known_axes(names: Sequence[str], chosen: Iterable[str]) -> frozenset[str]:

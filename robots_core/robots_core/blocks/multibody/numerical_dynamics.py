@@ -11,7 +11,7 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.motion_checks import of_motion
+from robots_core.robot_model.model_parts import of_motion
 from robots_core.validation import Array, finite_motion
 
 

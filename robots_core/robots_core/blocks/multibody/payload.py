@@ -1,8 +1,8 @@
-"""Payload: a tool, a workpiece or both on the flange."""
+"""Payload: a tool, a workpiece or both on the flange, and the one that a program has set."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -83,3 +83,29 @@ def payload_of(values: Sequence[float], name: str = 'payload') -> Payload:
 
 
 NOTHING = Payload(0.0)
+
+
+class CarriedPayload:
+    """Loads a model of the robot when the payload of the motion settings changes.
+
+    Args:
+        load: Makes the model carry a payload.
+        values: What it carries at the start; unknown by default: then settings without a payload do not
+            change it before there was one.
+    """
+
+    def __init__(self, load: Callable[[Payload], None], values: Sequence[float] = ()) -> None:
+        self._load = load
+        self._values = tuple(values)
+
+    def carry(self, values: Sequence[float]) -> None:
+        """Take the payload of the settings, by its numbers (see `payload_of`).
+
+        Raises:
+            InvalidInputError: numbers of no payload.
+        """
+        payload, wanted = payload_of(values), tuple(values)
+        if wanted == self._values or (not self._values and payload.mass == 0.0):
+            return
+        self._values = wanted
+        self._load(payload)

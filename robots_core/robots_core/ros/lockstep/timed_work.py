@@ -162,11 +162,6 @@ class LockstepTurn:
         self.due = instant(time)
         self._asked()
 
-    def cancel(self) -> None:
-        """Ask for none."""
-        self.due = NEVER
-        self._asked()
-
     def run(self, now: int) -> None:
         """Do the work; it may ask for the next turn."""
         self.due = NEVER
