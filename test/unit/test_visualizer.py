@@ -212,9 +212,9 @@ def test_trace_forgets_what_is_old(trace: Visualizer):
 
 
 def test_trace_can_be_hidden(trace: Visualizer):
-    trace._trace.visible = False
+    trace._trace.show(visible=False)
     for x in (0.0, 0.1):
         trace._trace.add(np.array([x, 0.0, 0.0]))
     assert not trace._trace._pieces[0].visible
-    trace._trace.visible = True
+    trace._trace.show(visible=True)
     assert trace._trace._pieces[0].visible

@@ -253,7 +253,7 @@ class ControllerNode(ManagedNode):
 
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
-        self._references.restart()  # brakes open for a reference that stands, and a motion may follow
+        self._references.resting.restart()  # brakes open for a reference that stands, and a motion may follow
         self._drives_publisher.publish(Bool(data=state.drives_on))
         with self._reporting_stop:
             self._publish_stop(state.status)

@@ -31,13 +31,8 @@ class ToolTrace:
         self._count = 0
         self._visible = True
 
-    @property
-    def visible(self) -> bool:
-        """Whether the line is shown; it grows in any case."""
-        return self._visible
-
-    @visible.setter
-    def visible(self, visible: bool) -> None:
+    def show(self, *, visible: bool) -> None:
+        """Show the line or not; it grows in any case."""
         self._visible = visible
         for piece in self._pieces:
             piece.visible = visible

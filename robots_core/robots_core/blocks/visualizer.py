@@ -267,7 +267,7 @@ class Visualizer:
 
         def show(_: object) -> None:
             self._tool_frame.visible = tool.value
-            self._trace.visible = path.value
+            self._trace.show(visible=path.value)
             for frame in self._frames:
                 frame.show_axes = axes.value
             for handle in self._collision:

@@ -68,7 +68,10 @@ class DynamicsNode(RobotNode):
         )
         self._estimate = AccelerationEstimate(filter_time)
         orientation = self.parameter(
-            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', read=_orientation
+            'base_orientation',
+            UPRIGHT,
+            'of the base in the world, quaternion x y z w',
+            read=lambda quaternion: Pose.from_quaternion(np.zeros(3), quaternion).T,
         )
         self._floats: bool = self.parameter(
             'free_floating', False, 'nothing holds the base, as of a satellite: it moves as the arm pushes it'
@@ -148,10 +151,6 @@ class DynamicsNode(RobotNode):
             self.ready(status.text, **status.values)
         else:
             self.report_health(DiagnosticStatus.WARN, status.text, **status.values)
-
-
-def _orientation(quaternion: Any) -> Array:
-    return Pose.from_quaternion(np.zeros(3), finite_vector(quaternion, 4, 'quaternion x y z w')).T
 
 
 def base_motion_from_message(message: MultiDOFJointTrajectory) -> BaseMotion:

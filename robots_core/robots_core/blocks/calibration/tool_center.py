@@ -34,11 +34,6 @@ class ToolCenter:
     residuals: Array
     std: Array
 
-    @property
-    def worst(self) -> int:
-        """Index of the largest residual."""
-        return int(self.residuals.argmax())
-
 
 def measure_tool_center(poses: Sequence[Pose], *, largest_residual: float = LARGEST_RESIDUAL) -> ToolCenter:
     """The tool centre point from k >= 4 poses of tool0 with the tip at one fixed point (4-point method).

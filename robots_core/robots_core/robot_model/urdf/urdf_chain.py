@@ -181,19 +181,15 @@ def _extra_limits(path: Path | None, foreign: Substitutions | None) -> dict[str,
         raise UnknownRobotError(
             f'{path.name}: expected a mapping `joint_limits:` of joint names', file=path.name
         )
+    # MoveIt's format has a key that switches a limit on or off.
     return {
         str(name): {
             key: _number(f'{path.name}: joint {str(name)!r}', key, value, file=path.name)
             for key, value in joint.items()
-            if key in EXTRA_KEYS and joint.get(_switch(key), True)
+            if key in EXTRA_KEYS and joint.get(f'has_{key.partition("_")[2]}_limits', True)
         }
         for name, joint in joints.items()
     }
-
-
-def _switch(key: str) -> str:
-    """The key with which MoveIt's format switches a limit on or off."""
-    return f'has_{key.partition("_")[2]}_limits'
 
 
 def _number(where: str, key: str, value: object, **details: str | float) -> float:

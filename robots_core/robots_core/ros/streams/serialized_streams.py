@@ -164,10 +164,6 @@ class ReferenceStream:
         self.resting.pass_over(references)
         self._left_out = True
 
-    def restart(self) -> None:
-        """Publish each reference again, as if the last one had moved."""
-        self.resting.restart()
-
     def _send(self, deadline: float) -> None:
         if self._simulated:
             nanoseconds = round(NANOSECONDS * deadline)
