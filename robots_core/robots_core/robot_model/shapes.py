@@ -32,30 +32,24 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Cylinder along z, centred in its frame; radius and length in metres."""
-
+class _Round:
     radius: float
     length: float
 
     def __post_init__(self) -> None:
-        _size(self.radius, 'cylinder radius')
-        _size(self.length, 'cylinder length')
+        for name in ('radius', 'length'):
+            _size(getattr(self, name), f'{type(self).__name__.lower()} {name}')
 
 
-@dataclass(frozen=True)
-class Capsule:
+class Cylinder(_Round):
+    """Cylinder along z, centred in its frame; radius and length in metres."""
+
+
+class Capsule(_Round):
     """Cylinder along z with a half sphere on each end, centred in its frame; metres.
 
     `length` is that of the cylinder, without the half spheres.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        _size(self.radius, 'capsule radius')
-        _size(self.length, 'capsule length')
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,6 @@ class RobotNode(TimedNode):
 
     Args:
         name: Default node name.
-        robot: Default of parameter `robot_model`.
         options: Passed on to `TimedNode`.
 
     Raises:
@@ -57,7 +56,7 @@ class RobotNode(TimedNode):
     diagnostics_group: ClassVar = 'robot'
     """Group in which `diagnostic_aggregator` shows the node."""
 
-    def __init__(self, name: str, *, robot: str = 'bello_bot', **options: Any) -> None:
+    def __init__(self, name: str, **options: Any) -> None:
         super().__init__(name, **options)
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._kind = name
@@ -65,7 +64,7 @@ class RobotNode(TimedNode):
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.robot_name: str = self.parameter(
-            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf"
+            'robot_model', 'bello_bot', "the robot's name, or urdf:/path/to/robot.urdf"
         )
         self.robot = load_robot_model(self.robot_name)
         self._health = (DiagnosticStatus.STALE, 'starting')
