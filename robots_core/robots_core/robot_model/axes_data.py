@@ -78,32 +78,23 @@ class AxesData:
 
     def _check_limits(self) -> None:
         for index, name in enumerate(self.names):
-            if not self.lower[index] < self.upper[index]:
-                raise InvalidInputError(
-                    f'axis {name}: lower limit {self.lower[index]:g} must be below upper limit '
-                    f'{self.upper[index]:g}',
-                    joint=name,
-                )
-            if np.isinf(self.lower[index]) != np.isinf(self.upper[index]):
-                raise InvalidInputError(
-                    f'axis {name}: limits [{self.lower[index]:g}, {self.upper[index]:g}] must both be finite '
-                    f'or both infinite (a continuous axis)',
-                    joint=name,
-                )
-            for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
-                value = getattr(self, quantity)[index]
-                if not 0.0 < value < np.inf:
-                    raise InvalidInputError(
-                        f'axis {name}: {quantity} limit {value:g} must be a finite number above 0',
-                        joint=name,
-                    )
-            for quantity in ('rotor_inertia', 'coulomb_friction', 'viscous_friction'):
-                value = getattr(self, quantity)[index]
-                if not 0.0 <= value < np.inf:
-                    raise InvalidInputError(
-                        f'axis {name}: {quantity} {value:g} must be a finite number, 0 or above',
-                        joint=name,
-                    )
+            if problem := self._problem(index):
+                raise InvalidInputError(f'axis {name}: {problem}', joint=name)
+
+    def _problem(self, index: int) -> str:
+        """Which figure of an axis is wrong; '' for none."""
+        low, high = self.lower[index], self.upper[index]
+        if not low < high:
+            return f'lower limit {low:g} must be below upper limit {high:g}'
+        if np.isinf(low) != np.isinf(high):
+            return f'limits [{low:g}, {high:g}] must both be finite or both infinite (a continuous axis)'
+        for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
+            if not 0.0 < (value := getattr(self, quantity)[index]) < np.inf:
+                return f'{quantity} limit {value:g} must be a finite number above 0'
+        for quantity in ('rotor_inertia', 'coulomb_friction', 'viscous_friction'):
+            if not 0.0 <= (value := getattr(self, quantity)[index]) < np.inf:
+                return f'{quantity} {value:g} must be a finite number, 0 or above'
+        return ''
 
     @property
     def num_axes(self) -> int:
