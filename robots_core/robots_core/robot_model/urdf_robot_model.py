@@ -164,7 +164,7 @@ class UrdfRobotModel(BaseRobotModel):
     @property
     def substitutions(self) -> tuple[str, ...]:
         """What the URDF lacks, and what was taken in its place, one sentence each."""
-        return self._substitutions.sentences
+        return tuple(self._substitutions.sentences)
 
     @property
     def structural_data(self) -> StructuralData:

@@ -25,12 +25,8 @@ class Substitutions:
         if not isinstance(strict, bool):
             raise InvalidInputError(f'strict = {strict!r} must be true or false')
         self.strict = strict
-        self._sentences: list[str] = []
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
+        self.sentences: list[str] = []
         """What was substituted so far."""
-        return tuple(self._sentences)
 
     def refuse(self, lacking: str) -> None:
         """Refuse what is lacking, where nothing may be substituted.
@@ -52,7 +48,7 @@ class Substitutions:
             UnknownRobotError: it is strict.
         """
         self.refuse(lacking)
-        self._sentences.append(f'{lacking}; taken in its place: {taken}')
+        self.sentences.append(f'{lacking}; taken in its place: {taken}')
 
 
 def note_other_base(model: pin.Model, base: str, substitutions: Substitutions) -> None:
