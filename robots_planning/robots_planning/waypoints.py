@@ -15,45 +15,41 @@ MOST_JUMP = 0.05  # rad (m): a first waypoint at time 0 that is farther away is 
 
 
 def trajectory_through(
-    time: Array,
-    position: Array,
-    velocity: Array | None,
-    acceleration: Array | None,
-    start: Array,
+    time: Array, rows: Sequence[Array | None], start: Array, *, late: float = 0.0
 ) -> Trajectory:
     """The motion from rest at `start` through waypoints.
 
     As far as they are given, velocities and accelerations are passed exactly, with quintics in between, as in
     ros2_control. Positions alone are joined by the cubic spline with continuous acceleration that rests at
-    both ends. Limits are not checked: `verify` does that.
+    both ends. Velocities alone change linearly. Limits are not checked: `verify` does that.
 
     Args:
         time: From the start, (m,), s, increasing, from 0 or later.
-        position: (m, n), rad (m).
-        velocity: (m, n), rad/s; None if not given.
-        acceleration: (m, n), rad/s^2; None if not given.
+        rows: Positions, rad (m), velocities and accelerations, (m, n) each; None if not given.
         start: Where the robot stands, (n,).
+        late: How long ago the motion should have begun, s: waypoints before are left out.
 
     Raises:
-        InvalidInputError: no waypoint, times that do not increase, a first waypoint at time 0 that is not
-            where the robot stands, or accelerations without velocities.
+        InvalidInputError: no waypoint or none that is not past, times that do not increase, a first waypoint
+            at time 0 that is not where the robot stands, accelerations without velocities, or neither
+            positions nor velocities.
     """
-    if len(time) == 0:
-        raise InvalidInputError('a trajectory needs at least one point, got none')
-    if time[0] < 0.0 or not (np.diff(time) > 0.0).all():
-        raise InvalidInputError('times of trajectory points must be 0 or above and increase')
-    if velocity is None and acceleration is not None:
-        raise InvalidInputError('accelerations need velocities; give both, velocities alone, or none')
-    offset = position[0] - start
-    worst = int(np.abs(offset).argmax())
+    if len(time) == 0 or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
+        raise InvalidInputError(
+            f'a trajectory needs at least one point, got {len(time)}; times must be 0 or above and increase'
+        )
+    if late > 0.0:
+        time, rows = _ahead(time, rows, late)
+    position, velocity, acceleration = rows
+    if velocity is None:
+        if position is None:
+            raise InvalidInputError('points have neither positions nor velocities')
+        if acceleration is not None:
+            raise InvalidInputError('accelerations need velocities; give both, velocities alone, or none')
+    elif position is None:
+        position = _integrated(time, velocity, start)
     if time[0] <= START_TOLERANCE:
-        if abs(offset[worst]) > MOST_JUMP:
-            raise InvalidInputError(
-                f'the trajectory starts {offset[worst]:+.6g} from where axis {worst + 1} stands, allowed is '
-                f'{MOST_JUMP:g}'
-            )
-        if len(time) == 1:
-            raise InvalidInputError('a single point at time 0 is no motion; give a time to reach it')
+        _check_start(position[0] - start, len(time))
         time, position = time[1:], position[1:]
         velocity = None if velocity is None else velocity[1:]
         acceleration = None if acceleration is None else acceleration[1:]
@@ -73,49 +69,30 @@ def trajectory_through(
     return Trajectory(Trajectory.message_times(t), q, v, a)
 
 
-def trajectory_from(
-    time: Array, rows: Sequence[Array | None], start: Array, name: str, late: float = 0.0
-) -> Trajectory:
-    """The motion of a client's points; see `trajectory_through`.
-
-    Args:
-        time: From the start, (m,), s.
-        rows: Positions, velocities and accelerations, (m, n) each; None if not given. Velocities alone are
-            integrated.
-        start: Where the robot stands, (n,).
-        name: Of the trajectory, for messages.
-        late: How long ago it should have begun, s: points before are left out.
-
-    Raises:
-        InvalidInputError: no points, all of them are past, or they make no motion.
-    """
-    if len(time) == 0:
-        raise InvalidInputError(f'{name}: a trajectory needs at least one point, got none')
-    if late > 0.0:
-        if time[-1] <= late:
-            raise InvalidInputError(f'{name}: the trajectory has ended {late - time[-1]:.6g} s ago')
-        ahead = time > late
-        time, rows = time[ahead] - late, [None if row is None else row[ahead] for row in rows]
-    position, velocity, acceleration = rows
-    if position is None:
-        if velocity is None:
-            raise InvalidInputError(f'{name}: points have neither positions nor velocities')
-        position = positions_from_velocities(time, velocity, start)
-    return trajectory_through(time, position, velocity, acceleration, start)
+def _ahead(time: Array, rows: Sequence[Array | None], late: float) -> tuple[Array, list[Array | None]]:
+    if time[-1] <= late:
+        raise InvalidInputError(f'the trajectory has ended {late - time[-1]:.6g} s ago')
+    ahead = time > late
+    return time[ahead] - late, [None if row is None else row[ahead] for row in rows]
 
 
-def positions_from_velocities(time: Array, velocity: Array, start: Array) -> Array:
-    """Positions of waypoints (m, n), rad (m), whose velocities change linearly, from rest.
+def _check_start(offset: Array, count: int) -> None:
+    """Pass a first waypoint at time 0, so far from the start, (n,), of a number of waypoints."""
+    worst = int(np.abs(offset).argmax())
+    if abs(offset[worst]) > MOST_JUMP:
+        raise InvalidInputError(
+            f'the trajectory starts {offset[worst]:+.6g} from where axis {worst + 1} stands, allowed is '
+            f'{MOST_JUMP:g}'
+        )
+    if count == 1:
+        raise InvalidInputError('a single point at time 0 is no motion; give a time to reach it')
 
-    Args:
-        time: From the start, (m,), s, increasing.
-        velocity: (m, n), rad/s (m/s).
-        start: Where the robot stands, (n,).
-    """
-    t, v = np.concatenate([[0.0], time]), np.concatenate([np.zeros_like(velocity[:1]), velocity])
-    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)[:, None]
-    positions: Array = start + np.cumsum(steps, axis=0)
-    return positions
+
+def _integrated(time: Array, velocity: Array, start: Array) -> Array:
+    """Positions of waypoints, (m, n), whose velocities change linearly, from rest."""
+    v = np.concatenate([np.zeros_like(velocity[:1]), velocity])
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(time, prepend=0.0)[:, None]
+    return np.asarray(start + np.cumsum(steps, axis=0))
 
 
 def _interpolate() -> ModuleType:

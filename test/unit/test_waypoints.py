@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_planning.waypoints import trajectory_from, trajectory_through
+from robots_planning.waypoints import trajectory_through
 
 START = np.array([0.1, -0.2])
 TIME = np.array([0.5, 1.2, 2.0])
@@ -17,7 +17,7 @@ ACCELERATION = np.array([[0.1, 0.2], [-0.3, 0.1], [0.0, 0.0]])
 
 @pytest.mark.parametrize('given', [(None, None), (VELOCITY, None), (VELOCITY, ACCELERATION)])
 def test_passes_what_is_given_and_rests_at_both_ends(given: tuple[np.ndarray | None, ...]) -> None:
-    trajectory = trajectory_through(TIME, POSITION, *given, START)
+    trajectory = trajectory_through(TIME, (POSITION, *given), START)
     states = trajectory.sample(TIME)
     np.testing.assert_allclose(states[0], POSITION, atol=1e-12)
     for state, wanted in zip(states[1:], given, strict=True):
@@ -30,17 +30,17 @@ def test_passes_what_is_given_and_rests_at_both_ends(given: tuple[np.ndarray | N
 
 
 def test_positions_alone_have_continuous_acceleration_between_the_ends() -> None:
-    trajectory = trajectory_through(TIME, POSITION, None, None, START)
+    trajectory = trajectory_through(TIME, (POSITION, None, None), START)
     before, after = (trajectory.sample(TIME[:-1] + shift)[2] for shift in (-1e-9, 1e-9))
     np.testing.assert_allclose(before, after, atol=1e-5)  # 2 ns of the jerk in between
 
 
 def test_a_first_point_at_time_zero_is_the_start() -> None:
     time = np.array([0.0, 1.0])
-    trajectory = trajectory_through(time, np.array([START + 1e-3, [0.4, 0.4]]), None, None, START)
+    trajectory = trajectory_through(time, (np.array([START + 1e-3, [0.4, 0.4]]), None, None), START)
     np.testing.assert_array_equal(trajectory.position[0], START)
     with pytest.raises(InvalidInputError, match=r'starts \+0\.2 from where axis 1 stands'):
-        trajectory_through(time, np.array([START + np.array([0.2, 0.0]), [0.4, 0.4]]), None, None, START)
+        trajectory_through(time, (np.array([[0.3, -0.2], [0.4, 0.4]]), None, None), START)
 
 
 @pytest.mark.parametrize(
@@ -61,21 +61,21 @@ def test_points_that_make_no_motion_are_refused(
     reason: str,
 ) -> None:
     with pytest.raises(InvalidInputError, match=reason):
-        trajectory_through(time, position, velocity, acceleration, START)
+        trajectory_through(time, (position, velocity, acceleration), START)
 
 
 @pytest.mark.parametrize('late', [0.0, 0.7, 1.2])
 def test_what_is_late_goes_through_the_points_that_are_left(late: float) -> None:
     ahead = late < TIME
     rows = POSITION, VELOCITY, ACCELERATION
-    trajectory = trajectory_from(TIME, rows, START, 'goal', late)
-    left = trajectory_through(TIME[ahead] - late, *(row[ahead] for row in rows), START)
+    trajectory = trajectory_through(TIME, rows, START, late=late)
+    left = trajectory_through(TIME[ahead] - late, [row[ahead] for row in rows], START)
     for name in ('time', 'position', 'velocity', 'acceleration'):
         np.testing.assert_array_equal(getattr(trajectory, name), getattr(left, name))
 
 
 def test_velocities_alone_lead_to_the_positions_that_they_integrate_to() -> None:
-    trajectory = trajectory_from(TIME, (None, VELOCITY, None), START, 'goal')
+    trajectory = trajectory_through(TIME, (None, VELOCITY, None), START)
     _, q_dot, _ = trajectory.sample(TIME)
     np.testing.assert_allclose(q_dot, VELOCITY, atol=1e-12)
     v = np.array([[0.0, 0.0], *VELOCITY])
@@ -86,13 +86,13 @@ def test_velocities_alone_lead_to_the_positions_that_they_integrate_to() -> None
 @pytest.mark.parametrize(
     ('time', 'rows', 'late', 'complaint'),
     [
-        (TIME[:0], (None, None, None), 0.0, 'goal: a trajectory needs at least one point, got none'),
-        (TIME, (POSITION, None, None), 3.0, 'goal: the trajectory has ended 1 s ago'),
-        (TIME, (None, None, ACCELERATION), 0.0, 'goal: points have neither positions nor velocities'),
+        (TIME[:0], (None, None, None), 0.0, 'a trajectory needs at least one point, got 0'),
+        (TIME, (POSITION, None, None), 3.0, 'the trajectory has ended 1 s ago'),
+        (TIME, (None, None, ACCELERATION), 0.0, 'points have neither positions nor velocities'),
     ],
 )
 def test_points_of_clients_that_make_no_motion_are_refused(
     time: np.ndarray, rows: tuple[np.ndarray | None, ...], late: float, complaint: str
 ) -> None:
     with pytest.raises(InvalidInputError, match=complaint):
-        trajectory_from(time, rows, START, 'goal', late)
+        trajectory_through(time, rows, START, late=late)

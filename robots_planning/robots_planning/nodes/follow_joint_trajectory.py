@@ -18,7 +18,7 @@ from robots_planning.commands.trajectory_goal import Errors, TrajectoryGoal
 from robots_planning.goal_tolerances import Tolerance
 from robots_planning.nodes.one_goal_server import Goal, OneGoalServer, resolve
 from robots_planning.trajectory import Trajectory
-from robots_planning.waypoints import trajectory_from
+from robots_planning.waypoints import trajectory_through
 
 ACTION: Final = 'follow_joint_trajectory'
 FEEDBACK_PERIOD: Final = 0.02  # s
@@ -31,11 +31,11 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array, late: flo
         message: The trajectory.
         names: Joints of the robot.
         start: Where it stands, (n,).
-        late: See `trajectory_from`.
+        late: See `trajectory_through`.
 
     Raises:
         JointNamesError: a joint is missing or named twice.
-        InvalidInputError: points of different kinds, or as `trajectory_from`.
+        InvalidInputError: points of different kinds, or as `trajectory_through`.
     """
     joint_indices(message.joint_names, names, ACTION)
     time = point_times(message)
@@ -44,7 +44,7 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array, late: flo
         field_rows(message, names, ACTION, field) if has else None
         for field, has in zip(FIELDS, given, strict=True)
     ]
-    return trajectory_from(time, rows, start, ACTION, late)
+    return trajectory_through(time, rows, start, late=late)
 
 
 class ServedTrajectory(Goal):

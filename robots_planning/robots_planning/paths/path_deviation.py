@@ -1,12 +1,11 @@
 """Deviation of sampled tool poses from a straight line or from any path."""
 
-from typing import Protocol
-
 import numpy as np
 
 from robots_core.orientation import quaternions_of, rotation_vector, rotation_vectors
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.paths.cartesian_path import CartesianPath
 
 # Points of the path among which the nearest is searched, and subdivisions between two of them. On a path of
 # 10 m with bends of 0.05 m, the chords between subdivisions are at most 0.6 um off.
@@ -15,25 +14,6 @@ FINER = 10
 BRANCHES = 3  # candidates per pose, for paths that cross themselves
 ON_PATH = 1e-6  # m; at this distance no further candidate is checked
 TURNING_RADIUS = 0.1  # m; a rotation counts as its arc at this radius when poses are compared
-
-
-class PosesOnPath(Protocol):
-    """Poses of a path at m values of s: r (m, 3), m, and T (m, 3, 3)."""
-
-    @property
-    def r(self) -> Array:
-        """Positions."""
-
-    @property
-    def T(self) -> Array:
-        """Orientations."""
-
-
-class SampledPath(Protocol):
-    """Anything that has poses over a path coordinate from 0 to 1, base frame."""
-
-    def sample(self, s: Array, /) -> PosesOnPath:
-        """Poses at `s` (m,)."""
 
 
 def identity_orientations(count: int) -> Array:
@@ -64,7 +44,7 @@ def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, f
     return _with_ends(r, T, (start, end), distance, away)
 
 
-def path_deviation(r: Array, T: Array, path: SampledPath, *, oriented: bool = True) -> tuple[float, float]:
+def path_deviation(r: Array, T: Array, path: CartesianPath, *, oriented: bool = True) -> tuple[float, float]:
     """Largest distance (m) and angle (rad) from a path, its ends included; r and T as in `line_deviation`.
 
     Unless `oriented`, the orientations of the path do not count: they are those of the base frame.
@@ -98,12 +78,12 @@ def _with_ends(
     )
 
 
-def _sampled(path: SampledPath, s: Array, *, oriented: bool) -> tuple[Array, Array]:
+def _sampled(path: CartesianPath, s: Array, *, oriented: bool) -> tuple[Array, Array]:
     poses = path.sample(s)
     return poses.r, poses.T if oriented else identity_orientations(len(s))
 
 
-def _around(path: SampledPath, near: Array, r: Array, T: Array, *, oriented: bool) -> tuple[Array, Array]:
+def _around(path: CartesianPath, near: Array, r: Array, T: Array, *, oriented: bool) -> tuple[Array, Array]:
     """Distances (m,) and angles (m,) from the path around s = `near` (m,), by chords between finer points."""
     step = 1.0 / (PATH_POINTS - 1) / FINER
     count = 2 * FINER + 1

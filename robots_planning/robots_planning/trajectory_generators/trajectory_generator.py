@@ -20,8 +20,8 @@ from robots_core.errors import InvalidInputError, PlanningError, UnreachablePose
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
+from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.paths.path_deviation import SampledPath
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class ToolGeometry(TypedDict, total=False):
     """What verification compares the tool's path with: arguments of `verify`."""
 
     line: tuple[Pose, Pose]
-    path: SampledPath
+    path: CartesianPath
     oriented: bool
 
 

@@ -12,12 +12,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
-from robots_planning.paths.path_deviation import (
-    SampledPath,
-    identity_orientations,
-    line_deviation,
-    path_deviation,
-)
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.path_deviation import identity_orientations, line_deviation, path_deviation
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification.limit_use import AxisExtremes, LimitUse, ToolSection, tool_speeds
 
@@ -137,7 +133,7 @@ def verify(
     robot: BaseRobotModel,
     *,
     line: tuple[Pose, Pose] | None = None,
-    path: SampledPath | None = None,
+    path: CartesianPath | None = None,
     oriented: bool = True,
     tool: Pose | None = None,
     tools: Sequence[ToolSection] = (),
@@ -280,7 +276,7 @@ def _deviation(
     trajectory: Trajectory,
     robot: BaseRobotModel,
     line: tuple[Pose, Pose] | None,
-    path: SampledPath | None,
+    path: CartesianPath | None,
     tool: Pose | None,
     *,
     oriented: bool,
