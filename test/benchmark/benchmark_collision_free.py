@@ -83,7 +83,7 @@ def ours(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem)
     end = time.process_time()
     to_cancel = float(np.diff([begin, *looks, end]).max())
     postures = path.evaluate(np.linspace(0.0, 1.0, SAMPLES))[0]
-    return Outcome(end - begin, postures, timing(robot).trajectory(path), to_cancel)
+    return Outcome(end - begin, postures, timing(robot).timed(path).trajectory, to_cancel)
 
 
 class CertifiedMotions(ob.MotionValidator):  # type: ignore[misc]
@@ -157,7 +157,7 @@ def with_ompl(
 def smoothed(robot: BaseRobotModel, seconds: float, way: FreePath) -> Outcome:
     """A peer's way with corners rounded as ours are, and timed."""
     try:
-        return Outcome(seconds, way.postures, timing(robot).trajectory(rounded(way)))
+        return Outcome(seconds, way.postures, timing(robot).timed(rounded(way)).trajectory)
     except PlanningError:  # at a corner that is not free
         return Outcome(seconds, way.postures)
 

@@ -101,7 +101,7 @@ def shortest_by_linear_program(robot: BaseRobotModel, path: JointPath, count: in
 @pytest.mark.parametrize('seed', [1, 2])
 def test_as_fast_as_a_linear_program(robot: BaseRobotModel, seed: int) -> None:
     path = line_path(robot, seed)
-    duration = full_timing(robot).trajectory(path).duration
+    duration = full_timing(robot).timed(path).trajectory.duration
     coarse, fine = (shortest_by_linear_program(robot, path, count) for count in (150, 300))
     # The linear program's error halves with its step; ramps and reserve of ours cost at most 1e-3.
     optimum = 2.0 * fine - coarse
@@ -111,7 +111,7 @@ def test_as_fast_as_a_linear_program(robot: BaseRobotModel, seed: int) -> None:
 
 @pytest.mark.parametrize('seed', range(4))
 def test_every_limit_at_every_instant(robot: BaseRobotModel, seed: int) -> None:
-    trajectory = full_timing(robot).trajectory(line_path(robot, 10 + seed))
+    trajectory = full_timing(robot).timed(line_path(robot, 10 + seed)).trajectory
     axes, model = robot.axes_data, robot.rigid_dynamics_model
     t = np.arange(0.0, trajectory.duration, FINE)
     q, q_dot, q_ddot = trajectory.sample(t)
@@ -126,9 +126,9 @@ def test_every_limit_at_every_instant(robot: BaseRobotModel, seed: int) -> None:
 
 def test_larger_limits_are_never_slower(robot: BaseRobotModel) -> None:
     path = line_path(robot, 3)
-    full = full_timing(robot).trajectory(path).duration
+    full = full_timing(robot).timed(path).trajectory.duration
     for smaller in ({'velocity': 0.6}, {'acceleration': 0.6}, {'torque': 0.6}):
-        slower = full_timing(robot, **smaller).trajectory(path).duration
+        slower = full_timing(robot, **smaller).timed(path).trajectory.duration
         # What rounds of lowering limits cost is not the same for both.
         assert slower >= full * (1.0 - 5e-4)
 
@@ -136,7 +136,7 @@ def test_larger_limits_are_never_slower(robot: BaseRobotModel) -> None:
 def test_the_same_backwards_without_gravity(robot: BaseRobotModel) -> None:
     timing = full_timing(robot, torque=None)
     path = line_path(robot, 4)
-    there, back = timing.trajectory(path), timing.trajectory(turned_round(path))
+    there, back = timing.timed(path).trajectory, timing.timed(turned_round(path)).trajectory
     # Where limits are lowered differs.
     assert back.duration == pytest.approx(there.duration, rel=5e-4)
 
@@ -147,7 +147,7 @@ def test_one_axis_moves_in_the_time_of_a_trapezoid() -> None:
     q[1, 0] += 2.0
     zero = np.zeros((2, 6))
     path = JointPath(np.array([0.0, 1.0]), q, np.tile(q[1] - q[0], (2, 1)), zero)
-    trajectory = full_timing(robot, torque=None).trajectory(path)
+    trajectory = full_timing(robot, torque=None).timed(path).trajectory
     v, a = robot.axes_data.velocity[0], robot.axes_data.acceleration[0]
     trapezoid = 2.0 / v + v / a if 2.0 * a >= v * v else 2.0 * np.sqrt(2.0 / a)
     # Ramps and reserve.
@@ -161,7 +161,7 @@ def test_tool_limits(robot: BaseRobotModel) -> None:
         still = np.zeros((len(s), 1))
         return LimitedRates(still + 0.3, still, still, np.array([0.05]), np.array([np.inf]))
 
-    trajectory = full_timing(robot).trajectory(path, PathLimits(tool))
+    trajectory = full_timing(robot).timed(path, PathLimits(tool)).trajectory
     assert trajectory.duration > 0.3 / 0.05
     start, end = (Pose(*robot.direct_kinematics(q)) for q in trajectory.position[[0, -1]])
     assert np.linalg.norm(end.r - start.r) == pytest.approx(0.3, abs=1e-6)
@@ -171,7 +171,7 @@ def test_a_robot_that_cannot_hold_itself_names_axis_and_place(robot: BaseRobotMo
     path = line_path(robot, 6)
     heavy = full_timing(robot, torque=1e-3)
     with pytest.raises(PlanningError, match=r'cannot hold the robot at .* gravity asks for') as caught:
-        heavy.trajectory(path)
+        heavy.timed(path)
     details = caught.value.details
     assert details['joint'] in robot.axes_data.names
     assert abs(float(details['value'])) > float(details['bound'])

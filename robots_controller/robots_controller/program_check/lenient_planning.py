@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
-from robots_core.validation import Array
 from robots_planning.motion_kinds import JOINT_TO_POSE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
-from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.trajectory_generator import Target
+from robots_planning.trajectory_generators.trajectory_generator import Target, rest_trajectory
 from robots_planning.verification.trajectory_verification import verify
-
-STAY: Final = 0.02  # s
 
 
 class LenientPlanning(PathPlanning):
@@ -70,11 +64,8 @@ class LenientPlanning(PathPlanning):
                 self.problems[motion] = error
             return motion
         self._astray = True
-        motion = self._stay(np.asarray(q_start, dtype=np.float64), kind)
+        q = np.asarray(q_start, dtype=np.float64)
+        stay = rest_trajectory(q, q)
+        motion = PlannedMotion(stay, kind, verify(stay, self.robot))
         self.problems[motion] = error
         return motion
-
-    def _stay(self, q: Array, kind: MotionKind) -> PlannedMotion:
-        still = np.zeros((2, q.size))
-        trajectory = Trajectory(np.array([0.0, STAY]), np.stack([q, q]), still, still)
-        return PlannedMotion(trajectory, kind, verify(trajectory, self.robot))

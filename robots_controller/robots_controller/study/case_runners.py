@@ -73,9 +73,6 @@ def worker_pool(workers: int) -> ProcessPoolExecutor:
     """Processes that leave Ctrl-C to this one, which ends them."""
     # A fork would take over the threads' locks of this process, and not the threads.
     context = multiprocessing.get_context('spawn')
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupts)
-
-
-def _ignore_interrupts() -> None:
-    # Ctrl-C reaches all processes; the one that asked for the cases ends them.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return ProcessPoolExecutor(
+        workers, mp_context=context, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)
+    )

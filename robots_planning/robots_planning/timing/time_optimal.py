@@ -138,10 +138,6 @@ class TimeOptimalTiming:
         needed = longest * min(1.0, next(self._rounds(path, tool, window=longest)).jerk)
         return [max(part * needed, SHORTEST_RAMP) for part in JERK_RAMPS]
 
-    def trajectory(self, path: JointPath, tool: PathLimits | None = None) -> Trajectory:
-        """The trajectory of `timed` alone; arguments and errors as there."""
-        return self.timed(path, tool).trajectory
-
     def _plans(
         self, path: JointPath, tool: PathLimits | None, window: float, longest: float
     ) -> Iterator[TimedPath]:

@@ -203,7 +203,7 @@ class CartesianGenerator(TrajectoryGenerator):
         if self.hold != POSE:
             turning_tool = np.zeros(3) if self.tool is None else self.tool.r
         limits = path_limits(self.robot, joint_path, tool_path, self._tool_limits, turning_tool)
-        return self._timing.trajectory(joint_path, limits)
+        return self._timing.timed(joint_path, limits).trajectory
 
 
 def stands_still(route: Route) -> bool:

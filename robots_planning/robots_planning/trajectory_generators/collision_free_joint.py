@@ -96,7 +96,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         goals = self._goals(start, target)
         if float(np.abs(goals[0] - start).max()) < SHORTEST_MOVE:
             return rest_trajectory(start, goals[0])
-        return self._timing.trajectory(self._path(start, goals))
+        return self._timing.timed(self._path(start, goals)).trajectory
 
     def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
         """See `TrajectoryGenerator.generate_moving`: from rest only."""
