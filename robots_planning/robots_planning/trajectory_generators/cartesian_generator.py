@@ -1,7 +1,7 @@
 """CartesianGenerator: motions along a path of the tool, inside the limits of axes and tool."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -59,7 +59,6 @@ class CartesianGenerator(TrajectoryGenerator):
         InvalidInputError: an option that is not valid.
     """
 
-    accepts_joints: ClassVar[bool] = False
     configuration_graph: ConfigurationGraph | None = None
 
     def __init__(

@@ -61,7 +61,6 @@ class TrajectoryGenerator(ABC):
 
     kinds: ClassVar[tuple[str, ...]] = ()
     """Names of the kinds of motion that it plans, see `MOTION_KINDS`."""
-    accepts_joints: ClassVar[bool] = True
     starts_moving: ClassVar[bool] = False
     """It has `generate_moving`."""
     keeps_torque: bool = False
@@ -137,21 +136,22 @@ class TrajectoryGenerator(ABC):
         """Plan to a target that is not checked yet; the start is valid."""
         if isinstance(target, Pose):
             return self.plan_to_pose(start, target)
-        if self.accepts_joints:
-            goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
-            return self.plan_to_joints(start, goal)
-        raise InvalidInputError(
-            f'{type(self).__name__} needs a Pose as target, got {type(target).__name__}; '
-            'joint targets are for motions in joint space'
-        )
+        goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
+        return self.plan_to_joints(start, goal)
 
     @abstractmethod
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """Plan to a pose of the tool; the start is valid."""
 
-    def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
-        """Plan to joint positions; both ends are valid. Only for planners that accept joints."""
-        raise NotImplementedError(type(self).__name__)
+    def plan_to_joints(self, start: Array, target: Array) -> Trajectory:  # noqa: ARG002  # a hook
+        """Plan to joint positions; both ends are valid.
+
+        Raises:
+            InvalidInputError: the planner takes poses alone.
+        """
+        raise InvalidInputError(
+            f'{type(self).__name__} needs a Pose as target; joint targets are for motions in joint space'
+        )
 
     def generate_moving(
         self,
