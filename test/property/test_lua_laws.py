@@ -12,7 +12,8 @@ from cell_double import CellDouble
 from counted_cases import count_cases
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
+from robots_controller.program.run_state import RunState
 from robots_core.errors import ProgramError
 
 DEADLINE = 120.0  # s

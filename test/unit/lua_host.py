@@ -11,7 +11,7 @@ from typing import Any
 
 from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.program_state import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
 DEADLINE = 120.0  # s, for programs that should need milliseconds

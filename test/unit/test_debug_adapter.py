@@ -17,7 +17,7 @@ from cell_double import CellDouble
 from robots_controller.editor.debug_adapter import DebugAdapter, read_messages
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, RobotsError
 
 from .debug_editor import DEADLINE, TOKEN, DebuggedProgram, Editor

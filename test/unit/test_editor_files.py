@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 
 from .debug_editor import DEADLINE, TOKEN, DebuggedProgram
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from robots_controller.interpreter.debugger import Variable, breakpoints_by_file, call_stack
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
 
 from .lua_host import DEADLINE, LuaHost

@@ -10,7 +10,7 @@ import pytest
 
 from cell_double import CellDouble
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import Pose
 from robots_planning.robot_command_state import RobotCommandState

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 
 from .lua_host import DEADLINE, LuaHost
 

@@ -9,12 +9,9 @@ import numpy as np
 import pytest
 
 from robots_controller.program.clock import Clock
-from robots_controller.program.program_state import (
-    MotionCommand,
-    ProgramState,
-    ProgramStopped,
-    RunState,
-)
+from robots_controller.program.motions.motion_command import MotionCommand
+from robots_controller.program.program_state import ProgramState
+from robots_controller.program.run_state import ProgramStopped, RunState
 from robots_core.errors import InvalidInputError, PlanningError, ProgramError
 from robots_core.pose import Pose
 from robots_planning.motion_kinds import LINE

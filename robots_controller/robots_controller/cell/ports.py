@@ -6,7 +6,7 @@ from typing import Protocol
 from robots_controller.control.controller_request import ControllerRequest
 from robots_controller.program.cell_port import MeasuredRobot, ProgramController
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError, ProgramError, RobotsError
 from robots_core.status import Status

@@ -34,12 +34,9 @@ class ControllerSettings:
     stream_timeout: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ('period', 'ramp_time', 'feedback_timeout', 'goal_tolerance', 'settling_time'):
-            positive(getattr(self, name), name)
-        positive(self.following_error, 'following_error')
-        positive(self.stream_timeout, 'stream_timeout', 's')
-        if self.smoothing_time != 0.0:
-            positive(self.smoothing_time, 'smoothing_time', 's')
+        for name, value in vars(self).items():
+            if value != 0.0 or name != 'smoothing_time':
+                positive(value, name)
 
 
 def checked_speed_limit(limit: float) -> float:

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
 
 
@@ -15,15 +14,10 @@ class Interpolator:
 
     Args:
         num_axes: n.
-        window: Number of samples averaged; 1 passes every sample through.
-
-    Raises:
-        InvalidInputError: a window below 1.
+        window: Number of samples averaged, from 1, which passes every sample through.
     """
 
     def __init__(self, num_axes: int, window: int) -> None:
-        if window < 1:
-            raise InvalidInputError(f'the interpolator window is {window} samples, at least 1 is valid')
         self.window = window
         self._samples = np.zeros((window, 3 * num_axes))
         self._weights = np.full(window, 1.0 / window)

@@ -19,7 +19,7 @@ from typing import Any, BinaryIO, Final
 from robots_controller.interpreter.debugger import CallStack, HoldReason, Step, Variable
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.lua_source import chunk_name
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files.user_file import read_text
 

@@ -20,7 +20,8 @@ from robots_controller.program.files.persistent_values import SUFFIX as VALUES_S
 from robots_controller.program.files.taught_points import SUFFIX
 from robots_controller.program.motions.motion_command import OutputChange
 from robots_controller.program.motions.motion_target import RobotView
-from robots_controller.program.program_state import ProgramState, RunState
+from robots_controller.program.program_state import ProgramState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.orientation import check_convention
 

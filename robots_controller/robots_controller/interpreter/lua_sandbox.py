@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 from lupa import lua54
 
 from robots_controller.interpreter.syntax_remedies import with_remedy
-from robots_controller.program.program_state import ProgramStopped
+from robots_controller.program.run_state import ProgramStopped
 
 if TYPE_CHECKING:
     from robots_controller.interpreter.lua_source import LuaSource

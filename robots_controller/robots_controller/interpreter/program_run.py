@@ -27,7 +27,7 @@ from robots_controller.interpreter.lua_sandbox import (
 from robots_controller.interpreter.lua_source import LuaSource, find_subprogram
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.motions.motion_target import RobotView
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_core.errors import ProgramError, RobotsError
 
 if TYPE_CHECKING:

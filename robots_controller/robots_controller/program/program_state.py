@@ -13,14 +13,12 @@ from robots_controller.io.io_image import IoImage, check_count
 from robots_controller.program.background_tasks import BackgroundTasks
 from robots_controller.program.clock import Clock
 from robots_controller.program.input_interrupts import InputInterrupts
-from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
+from robots_controller.program.motions.motion_command import MotionCommand
 from robots_controller.program.run_state import ProgramStopped, RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, read_only
 from robots_planning.robot_command_state import RobotCommandState
-
-__all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'RunState']
 
 
 class ProgramState:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_core.validation import Array, positive
+from robots_core.validation import Array
 
 # Halvings of a change of speed that the limits do not allow; 2^-10 of it is below what matters.
 BISECTIONS = 10
@@ -28,9 +28,9 @@ class PathSpeed:
     """
 
     def __init__(self, acceleration: Array, *, period: float, ramp_time: float) -> None:
-        self._period = positive(period, 'period', 's')
+        self._period = period
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
-        self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
+        self._ramp = period**2 / ramp_time
         self._advance = self._end = period
         self._gain = 0.0
         self.fast_stop = False

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robots_core.robot_model.axes_data import AxesData
-from robots_core.validation import Array, positive
+from robots_core.validation import Array
 
 # Second differences of float64 positions of a few rad over (1 ms)^2 are off by about 1e-9 rad/s^2.
 RELATIVE_TOLERANCE = 1e-6
@@ -22,7 +22,7 @@ class LimitGuard:
 
     def __init__(self, axes: AxesData, *, period: float) -> None:
         self._axes = axes
-        self._period = positive(period, 'period', 's')
+        self._period = period
         n = axes.num_axes
         rates = np.concatenate([axes.velocity, axes.acceleration]) * (1.0 + RELATIVE_TOLERANCE)
         self._high = np.concatenate([axes.upper + RELATIVE_TOLERANCE, rates, rates])

@@ -14,7 +14,7 @@ from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage, forced_status
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_state import RunState
+from robots_controller.program.run_state import RunState
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record import ros_messages as ros
