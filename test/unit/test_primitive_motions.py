@@ -201,7 +201,7 @@ def test_an_arc_goes_on_through_a_point_that_lies_ahead() -> None:
     driver = PlayedDriver()
     via, end = aside(0.1, 0.1, 0.0), aside(0.2, 0.0, 0.0)
     command = commanded(CIRCLE, via, end)
-    planned = PrimitivePlanner(robot(), 'driver').plan(command, {}, HOME)
+    planned = PrimitivePlanner(robot(), 'driver').plan('1', command, {}, HOME)
     send(driver, command)
     driver.control.request('pause')
     driver.q = planned.trajectory.sample(np.array([0.7 * planned.trajectory.duration]))[0][0]
@@ -274,7 +274,7 @@ def test_outputs_switch_where_the_robot_is_on_the_path() -> None:
     driver = PlayedDriver()
     switch = PathSwitch('distance_after_start', 0.05, 'digital', 3, 1.0)
     command = commanded(LINE, aside(0.0, 0.0, 0.1), switches=(switch,))
-    planned = PrimitivePlanner(robot(), 'driver').plan(command, {}, HOME).trajectory
+    planned = PrimitivePlanner(robot(), 'driver').plan('1', command, {}, HOME).trajectory
     send(driver, command)
     for part, switched in ((0.3, 0), (0.7, 1)):
         driver.q = planned.sample(np.array([part * planned.duration]))[0][0]

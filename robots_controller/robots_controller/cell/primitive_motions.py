@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 from robots_controller.cell.path_switching import PathSwitching
@@ -44,12 +43,6 @@ class PrimitiveDriver(Protocol):
         """Call `step` soon, in the thread of the reports; from any thread."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    id: str
-    planned: PlannedPrimitive
-
-
 class PrimitiveMotions(PlannerPort):
     """The motions of one program.
 
@@ -70,8 +63,8 @@ class PrimitiveMotions(PlannerPort):
         self._asked: deque[Callable[[], None]] = deque()  # by other threads
         self._settings: dict[str, object] = {}
         self._last_id = 0
-        self._waiting: deque[_Motion] = deque()
-        self._moving: list[_Motion] = []  # the sequence that the driver has, from where it is
+        self._waiting: deque[PlannedPrimitive] = deque()
+        self._moving: list[PlannedPrimitive] = []  # the sequence that the driver has, from where it is
         self._passed = 0  # motions of that sequence that have ended
         self._flushed = False  # nothing follows the motions that wait
         self._interrupted = False  # the robot stands on the path of the first that waits
@@ -167,7 +160,7 @@ class PrimitiveMotions(PlannerPort):
         """Switch outputs on the path of the motion under way, by where the robot is; now in s."""
         q = self._measured() if self._moving else None
         if q is not None and self.switching is not None:
-            self._progress = self._moving[0].planned.progress(q, self._progress)
+            self._progress = self._moving[0].progress(q, self._progress)
             self.switching.progress(now, self._progress)
 
     def advanced(self, index: int) -> None:
@@ -199,17 +192,17 @@ class PrimitiveMotions(PlannerPort):
 
     def _plan(self, id_: str, command: MotionCommand, settings: Mapping[str, object]) -> None:
         before = [*self._moving, *self._waiting]
-        start = before[-1].planned.trajectory.position[-1] if before else self._measured()
+        start = before[-1].trajectory.position[-1] if before else self._measured()
         try:
             if start is None:
                 raise PlanningError('no joint_states received: is the driver running?')
             if len(before) >= MOST_PRIMITIVES:
                 raise PlanningError(f'a sequence has at most {MOST_PRIMITIVES} primitives that blend')
-            planned = self._planner.plan(command, settings, start)
+            planned = self._planner.plan(id_, command, settings, start)
         except RobotsError as error:
             self.on_result(MotionResult.refused(id_, error))
             return
-        self._waiting.append(_Motion(id_, planned))
+        self._waiting.append(planned)
         self._flushed = False
         if self.switching is not None:
             trajectory = planned.trajectory
@@ -221,19 +214,19 @@ class PrimitiveMotions(PlannerPort):
     def _send(self) -> None:
         if self._moving or self._paused or self._override == 0.0:
             return
-        ends = [k for k, one in enumerate(self._waiting, 1) if not one.planned.primitive.blend_radius]
+        ends = [k for k, one in enumerate(self._waiting, 1) if not one.primitive.blend_radius]
         count = ends[0] if ends else len(self._waiting) if self._flushed else 0
         if not count:
             return
         group = [self._waiting.popleft() for _ in range(count)]
         q = self._measured()
         if self._interrupted and q is not None:
-            group[0] = _Motion(group[0].id, group[0].planned.rest(self._robot, q))
+            group[0] = group[0].rest(self._robot, q)
         else:
             self._progress = 0.0
         self._interrupted, self._passed, self._moving = False, 0, group
         last = group[-1]
-        self._driver.send([one.planned.scaled(self._override, last=one is last) for one in group])
+        self._driver.send([one.scaled(self._override, last=one is last) for one in group])
 
     def _finish(self, message: str) -> None:
         one = self._moving.pop(0)

@@ -12,7 +12,6 @@ from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
 from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.cell.program_reporter import ProgramReporter
-from robots_controller.cell.robot_kinematics import RobotKinematics
 from robots_controller.cell.run_permission import RunPermission
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import Step
@@ -22,6 +21,7 @@ from robots_controller.program.clock import Clock
 from robots_controller.program.motions.modal_settings import PLANNING_NODE
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
 from robots_controller.program.motions.path_switches import warm_up
+from robots_controller.program.robot_kinematics import RobotKinematics
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.cell_interface.operating_modes import OperatingMode

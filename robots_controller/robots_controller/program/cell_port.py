@@ -1,15 +1,13 @@
 """CellPort: what a robot program needs of the cell that it runs in."""
 
-from collections.abc import Mapping
 from typing import Protocol
 
 from robots_controller.program.clock import Clock
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motions.motion_command import MotionCommand, OutputChange
+from robots_controller.program.robot_kinematics import RobotKinematics
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
-from robots_core.pose import Pose
-from robots_core.validation import Array
 
 
 class MeasuredRobot(Protocol):
@@ -20,25 +18,6 @@ class MeasuredRobot(Protocol):
 
         Raises:
             RobotsError: no feedback.
-        """
-
-
-class ProgramKinematics(Protocol):
-    """The robot's kinematics; called from the program's thread."""
-
-    def direct(self, q: Array) -> Pose:
-        """Pose of tool0 in the base frame for joint positions (n,), rad (m)."""
-
-    def inverse(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
-        """Joint positions (n,) that a joint motion to a pose would lead to, rad (m).
-
-        Args:
-            pose: Of the tool, seen from the base that was set.
-            near: Joint positions (n,) to search from, rad (m).
-            settings: Modal settings that the program has changed.
-
-        Raises:
-            UnreachablePoseError: there are none inside the limits.
         """
 
 
@@ -72,7 +51,7 @@ class CellPort(Protocol):
         """What the robot measures."""
 
     @property
-    def kinematics(self) -> ProgramKinematics:
+    def kinematics(self) -> RobotKinematics:
         """The robot's kinematics."""
 
     @property

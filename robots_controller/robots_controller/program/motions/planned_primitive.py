@@ -24,11 +24,13 @@ class PlannedPrimitive:
     """A motion that the robot's own controller plans, and what it is expected to be.
 
     Attributes:
+        id: Of its command.
         primitive: What the driver gets.
         trajectory: The motion as it is planned here. The robot takes the same path, at speeds of its own.
         tool: Tool centre point in tool0.
     """
 
+    id: str
     primitive: MotionPrimitive
     trajectory: Trajectory
     tool: Pose
@@ -66,10 +68,13 @@ class PrimitivePlanner:
         self._robot, self._driver = robot, driver
         self._planning = PathPlanning(robot)
 
-    def plan(self, command: MotionCommand, settings: Mapping[str, object], start: Array) -> PlannedPrimitive:
+    def plan(
+        self, id_: str, command: MotionCommand, settings: Mapping[str, object], start: Array
+    ) -> PlannedPrimitive:
         """The primitive of a command.
 
         Args:
+            id_: Of the command.
             command: Of a program.
             settings: Its modal settings, by name.
             start: Joint positions where the motion begins, (n,), rad (m).
@@ -88,4 +93,4 @@ class PrimitivePlanner:
             kind, target = JOINT, self._planning.reach(target, start, wanted)
         planned = self._planning.plan(kind, start, target, wanted)
         primitive = MotionPrimitive.commanded(self._robot, kind, in_base(kind, target, wanted), wanted)
-        return PlannedPrimitive(primitive, planned.trajectory, wanted.tool_pose)
+        return PlannedPrimitive(id_, primitive, planned.trajectory, wanted.tool_pose)
