@@ -244,7 +244,7 @@ class PathPlanning:
         """
         if self.collision is None:
             return
-        path = _joint_path(trajectory)
+        path = JointPath(*trajectory.points)
         scene = self.collision.scene
         self.collision.check(path, margin=self.collision_margin)
         if self._zones is None or self._zones.scene is not scene:
@@ -260,9 +260,8 @@ class PathPlanning:
         """What a trajectory comes too close to from a time on, s, for a person."""
         place = None
         if self.collision is not None:
-            place = self.collision.first_approach(
-                _joint_path(trajectory), margin=self.collision_margin, since=since
-            )
+            path = JointPath(*trajectory.points)
+            place = self.collision.first_approach(path, margin=self.collision_margin, since=since)
         return (
             'nothing that the planner has in its scene'
             if place is None
@@ -303,10 +302,6 @@ class PathPlanning:
         if kind.target == 'joints':  # which need no configuration, and every robot has them
             settings = replace(settings, configuration='')
         return planner.from_settings(self.loaded(settings), settings)
-
-
-def _joint_path(trajectory: Trajectory) -> JointPath:
-    return JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
 
 
 def tool_section(kind: MotionKind, settings: MotionSettings, until: float) -> ToolSection:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.kernels.compiled import compiled
 from robots_core.validation import FLOAT64, Array
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
+
+FIELDS: Final = ('time', 'position', 'velocity', 'acceleration')
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class Trajectory:
     acceleration: Array
 
     def __post_init__(self) -> None:
-        for name in ('time', 'position', 'velocity', 'acceleration'):
+        for name in FIELDS:
             values = getattr(self, name)
             if _frozen(values):
                 continue
@@ -58,24 +61,25 @@ class Trajectory:
                 f'position {shape}, velocity {self.velocity.shape} and acceleration '
                 f'{self.acceleration.shape} must all be ({m}, n), one row per time'
             )
-        if not _sound(self.time, self.position, self.velocity, self.acceleration):
-            for name in ('time', 'position', 'velocity', 'acceleration'):
+        if not _sound(*self.points):
+            for name in FIELDS:
                 if not np.isfinite(getattr(self, name)).all():
                     raise InvalidInputError(f'trajectory {name} holds a value that is not finite')
             raise InvalidInputError('trajectory time must start at 0 and increase from point to point')
 
-    @cached_property
-    def coefficients(self) -> Array:
-        """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
-        coefficients = self.quintics.view()
-        coefficients.flags.writeable = False
-        return coefficients
+    @property
+    def points(self) -> tuple[Array, Array, Array, Array]:
+        """Times, positions, velocities and accelerations."""
+        return self.time, self.position, self.velocity, self.acceleration
 
     @cached_property
-    def quintics(self) -> Array:
-        """The coefficients for compiled code, which would be compiled once more for what is read-only."""
+    def coefficients(self) -> Array:
+        """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s.
+
+        Not read-only, for which code would be compiled once more.
+        """
         coefficients = np.empty((len(self.time) - 1, 6, self.num_axes))
-        quintic_coefficients(self.time, self.position, self.velocity, self.acceleration, coefficients)
+        quintic_coefficients(*self.points, coefficients)
         return coefficients
 
     @staticmethod
@@ -94,7 +98,7 @@ class Trajectory:
             join_time: Time of the first one: where it continues from another trajectory, s.
         """
         times = np.round(self.time * 1e9).astype(np.int64) + round(join_time * 1e9)
-        return times, np.array([self.position, self.velocity, self.acceleration])
+        return times, np.array(self.points[1:])
 
     @property
     def num_axes(self) -> int:
@@ -127,7 +131,7 @@ class Trajectory:
     def _states(self, t: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration; before the start and after the end, those there."""
         states = [np.empty((t.size, self.num_axes)) for _ in range(3)]
-        quintics_at(self.time, self.quintics, np.array(t.ravel()), *states)
+        quintics_at(self.time, self.coefficients, np.array(t.ravel()), *states)
         q, q_dot, q_ddot = (values.reshape(*t.shape, self.num_axes) for values in states)
         return q, q_dot, q_ddot
 
@@ -158,10 +162,10 @@ def one_after_another(trajectories: Sequence[Trajectory]) -> Trajectory:
     first = trajectories[0]
     if len(trajectories) == 1:
         return first
-    time, rows = [first.time], [(first.position, first.velocity, first.acceleration)]
+    time, rows = [first.time], [[*first.points[1:]]]
     for following in trajectories[1:]:
         time.append(Trajectory.message_times(time[-1][-1] + following.time[1:]))
-        rows.append((following.position[1:], following.velocity[1:], following.acceleration[1:]))
+        rows.append([row[1:] for row in following.points[1:]])
     return Trajectory(np.concatenate(time), *(np.concatenate(parts) for parts in zip(*rows, strict=True)))
 
 

@@ -317,10 +317,7 @@ class InProcessCell:
         trajectory = plan.trajectory
         self._host.switching.planned(plan.id, plan.ends, lambda: trajectory)
         if self._guard is not None:
-            path = JointPath(
-                trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration
-            )
-            self._guard.planned(plan.id, path)
+            self._guard.planned(plan.id, JointPath(*trajectory.points))
 
     def control_ended(self, result: MotionResult) -> None:
         """The controller has ended a motion."""

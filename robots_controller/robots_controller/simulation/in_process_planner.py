@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -135,6 +136,4 @@ def _through_message(pose: Pose) -> Pose:
 
 def _as_in_message(trajectory: Trajectory) -> Trajectory:
     time = Trajectory.message_times(trajectory.time)
-    if np.array_equal(time, trajectory.time):
-        return trajectory
-    return Trajectory(time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+    return trajectory if np.array_equal(time, trajectory.time) else replace(trajectory, time=time)

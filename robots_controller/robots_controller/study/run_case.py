@@ -74,6 +74,5 @@ def run_case(case: StudyCase) -> Row | None:
 
 def failed_row(case: StudyCase, reason: str, line: int = 0) -> Row:
     """The row of a case that could not be simulated."""
-    nothing = {float: math.nan, int: 0, str: '', bool: False}
-    figures: Row = {name: nothing[kind] for name, kind in FIGURES.items()}
+    figures: Row = {name: math.nan if kind is float else kind() for name, kind in FIGURES.items()}
     return {**case.settings, **figures, 'reason': reason, 'line': line}

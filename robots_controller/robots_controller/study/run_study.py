@@ -94,7 +94,7 @@ def run_study(
     *,
     scheduler: str = '',
     workers: int = 0,
-    on_progress: Callable[[int, int], None] | None = None,
+    on_progress: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> list[Row]:
     """Simulate all cases of a study, and write `results.csv` and `results.parquet`.
 
@@ -118,8 +118,7 @@ def run_study(
     results = StudyResults(folder)
     left = [case for case in cases if case not in results]
     done = len(cases) - len(left)
-    report = on_progress or (lambda _done, _all: None)
-    report(done, len(cases))
+    on_progress(done, len(cases))
     try:
         if left:
             found = run_on_scheduler(left, scheduler) if scheduler else run_locally(left, workers=workers)
@@ -127,7 +126,7 @@ def run_study(
                 if row is not None:
                     results.add(case, row)
                     done += 1
-                    report(done, len(cases))
+                    on_progress(done, len(cases))
     finally:
         results.write(cases)
     return results.rows(cases)

@@ -1,6 +1,7 @@
 """Study: what shall be simulated, read from YAML."""
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,9 +46,8 @@ class Study:
             RobotsError: more than `MOST_CASES`, a file that cannot be read, or a program without a
                 parameter.
         """
-        count = len(self.programs) * len(self.robots) * len(self.drives) * len(self.overrides)
-        for values in self.parameters.values():
-            count *= len(values)
+        choices = (self.programs, self.robots, self.drives, self.overrides, *self.parameters.values())
+        count = math.prod(map(len, choices))
         if count > MOST_CASES:
             raise InvalidInputError(f'the study has {count} cases; at most {MOST_CASES} are possible')
         files = {program: self._files(program) for program in self.programs}

@@ -211,11 +211,9 @@ def _opened(
 
 def _from_state(trajectory: Trajectory, state: tuple[Array, Array, Array]) -> Trajectory:
     """The trajectory without the rounding of its start."""
-    rows = (trajectory.position, trajectory.velocity, trajectory.acceleration)
-    return Trajectory(
-        trajectory.time,
-        *(np.concatenate([first[None], row[1:]]) for first, row in zip(state, rows, strict=True)),
-    )
+    time, *rows = trajectory.points
+    whole = [np.concatenate([first[None], row[1:]]) for first, row in zip(state, rows, strict=True)]
+    return Trajectory(time, *whole)
 
 
 def _jerk_limited(commands: tuple[QueuedCommand, ...]) -> bool:

@@ -314,7 +314,7 @@ class TimeOptimalTiming:
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
         times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
-        coefficients = trajectory.quintics
+        coefficients = trajectory.coefficients
         uses = np.empty((len(points) - 1, 3))
         quintic_uses(points, coefficients, self._axis_limits, uses)
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))

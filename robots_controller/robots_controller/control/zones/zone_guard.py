@@ -89,7 +89,7 @@ class ZoneGuard:
 
     def borders(self, trajectory: Trajectory) -> tuple[Border, ...]:
         """Where a trajectory crosses borders, closed or not; takes milliseconds; from one thread."""
-        path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+        path = JointPath(*trajectory.points)
         return tuple(
             Border(zone, passage.start, passage.end)
             for zone in self._paths.zones

@@ -178,7 +178,7 @@ def motion_preview(
 def _closest(planning: PathPlanning, trajectory: Trajectory) -> Proximity | None:
     if planning.collision is None:
         return None
-    path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+    path = JointPath(*trajectory.points)
     found = planning.collision.closest_approach(path)
     return None if found is None else found.proximity
 
