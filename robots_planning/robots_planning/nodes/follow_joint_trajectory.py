@@ -83,8 +83,7 @@ class FollowJointTrajectory(OneGoalServer[ServedTrajectory]):
         self._moving: dict[str, ServedTrajectory] = {}
         self._states = PolledSubscription(node, JointState, 'joint_states')
         self._actual: tuple[Array, Array] | None = None
-        self._timer = node.create_timer(FEEDBACK_PERIOD, self._poll, autostart=False)
-        super().__init__(node, action, ACTION, ServedTrajectory)
+        super().__init__(node, action, ACTION, ServedTrajectory, period=FEEDBACK_PERIOD)
 
     async def _run(self, goal: ServedTrajectory) -> Outcome:
         request = goal.handle.request
@@ -111,6 +110,7 @@ class FollowJointTrajectory(OneGoalServer[ServedTrajectory]):
         self._start(make, goal.motion).add_done_callback(lambda sent: started.set_result(sent.exception()))
         error = await started
         if error is not None:
+            self._moving.pop(goal.motion, None)
             raise error
         if goal.stopped is not None:  # before there was a motion to stop
             self._stop_motion()
@@ -118,10 +118,6 @@ class FollowJointTrajectory(OneGoalServer[ServedTrajectory]):
         result = await goal.done
         self._take_states()
         return goal.stopped or checked.outcome(result, self._errors(self._reference()))
-
-    def _leave(self, goal: ServedTrajectory) -> None:
-        self._timer.cancel()
-        self._moving.pop(goal.motion, None)
 
     def _stop_goal(self, goal: ServedTrajectory) -> None:
         if goal.motion:
@@ -131,13 +127,13 @@ class FollowJointTrajectory(OneGoalServer[ServedTrajectory]):
 
     def ended(self, result: MotionResult) -> None:
         """A motion has ended; if it is the goal's, the goal has."""
-        if (goal := self._moving.get(result.id)) is not None:
+        if (goal := self._moving.pop(result.id, None)) is not None:
             resolve(goal.done, result)
 
     # -- while it moves -------------------------------------------------------------------------------
 
     def _poll(self) -> None:
-        """Send feedback, and end a goal whose tolerances are violated."""
+        """See `OneGoalServer`; a goal whose tolerances are violated is ended."""
         goal = self._goal
         self._take_states()
         reference = self._reference()

@@ -55,12 +55,10 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
     ) -> None:
         self._planner, self._take = planner, take
         self._check, self._pose_of = check, pose_of
-        self._goal: SequenceGoal | None = None
         self._commanded: dict[str, SequenceGoal] = {}
         self._progresses = PolledSubscription(node, Float64, 'motion_progress')
         self._progress = 0.0
-        self._timer = node.create_timer(FEEDBACK_PERIOD, self._poll, autostart=False)
-        super().__init__(node, action, ACTION, partial(SequenceGoal, planner))
+        super().__init__(node, action, ACTION, partial(SequenceGoal, planner), period=FEEDBACK_PERIOD)
 
     async def _run(self, goal: SequenceGoal) -> Outcome:
         messages = goal.handle.request.trajectory.motions
@@ -93,10 +91,6 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         goal.sequence.begin(commands, ids)
         self._commanded |= dict.fromkeys(ids, goal)
 
-    def _leave(self, goal: SequenceGoal) -> None:
-        del goal
-        self._timer.cancel()
-
     def _stop_goal(self, goal: SequenceGoal) -> None:
         if goal.sequence.give_up():
             self._stop_motion()
@@ -118,7 +112,7 @@ class MotionPrimitiveSequence(OneGoalServer[SequenceGoal]):
         self._progress = 0.0
 
     def _poll(self) -> None:
-        """Send feedback; stop again what has come to the controller after a first stop."""
+        """See `OneGoalServer`; what has come to the controller after a first stop is stopped again."""
         goal = self._goal
         if goal is None or not goal.sequence.moves:
             return

@@ -36,11 +36,15 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         action: Type of the action; its results have `error_code` and `error_string`.
         name: Of the action.
         goal: Makes a goal of a handle of rclpy.
+        period: Of feedback, s.
     """
 
-    def __init__(self, node: RobotNode, action: Any, name: str, goal: Callable[[Any], AnyGoal]) -> None:
+    def __init__(
+        self, node: RobotNode, action: Any, name: str, goal: Callable[[Any], AnyGoal], *, period: float
+    ) -> None:
         self._node, self._action, self._make = node, action, goal
         self._goal: AnyGoal | None = None
+        self._timer = node.create_timer(period, self._poll, autostart=False)
         self._give_up = node.create_client(Trigger, 'controller_node/cancel')
         server = ActionServer(
             node, action, name, execute_callback=self._execute, cancel_callback=self._cancel
@@ -60,8 +64,8 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         """Stop the robot on its path, or do not begin; `stopped` of the goal says why."""
 
     @abstractmethod
-    def _leave(self, goal: AnyGoal) -> None:
-        """The goal has ended."""
+    def _poll(self) -> None:
+        """Send feedback, and look after the goal; called regularly while it moves the robot."""
 
     async def _execute(self, handle: Any) -> Any:
         before, goal = self._goal, self._make(handle)
@@ -74,7 +78,7 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
         except RobotsError as error:
             outcome = Outcome.refused(error)
         finally:
-            self._leave(goal)
+            self._timer.cancel()
             goal.ended.set_result(None)
         if self._goal is goal:
             self._goal = None
