@@ -124,7 +124,7 @@ def test_switches_come_once_and_in_order():
     assert switches.due(0.3) == [first]
     assert switches.due(1.0) == [second]
     assert switches.due(1.0) == []
-    assert switches.next_progress is None
+    assert switches.next_progress == np.inf
 
 
 def test_motions_of_a_chain_have_their_own_ends():
@@ -162,9 +162,9 @@ def test_distances_are_those_of_the_motions_own_tool():
 
 def test_delay_is_that_of_the_speed_so_far():
     switches = places(LINE_PATH, (4.0, command(switch('distance_before_end', 0.5))))
-    assert switches.delay(10.0, 0.50) is None
+    assert switches.delay(10.0, 0.50) == np.inf
     assert switches.delay(10.4, 0.55) == pytest.approx(0.2 * 8.0, abs=2.0 * EXACT)  # half as fast as planned
-    assert switches.delay(10.8, 0.55) is None  # held
+    assert switches.delay(10.8, 0.55) == np.inf  # held
     assert switches.delay(12.8, 0.80) == 0.0
 
 

@@ -70,15 +70,14 @@ class PathSwitching:
     def pending(self) -> bool:
         """Outputs will be switched on the paths planned so far."""
         with self._lock:
-            return any(plan.switches.next_progress is not None for plan in self._planned.values())
+            return any(plan.switches.next_progress < math.inf for plan in self._planned.values())
 
     @property
     def next_progress(self) -> float:
         """Progress of the motion under way at which the next switch is due, 0..1; infinite for none."""
         with self._lock:
             running = next(iter(self._planned.values()), None)
-            at = None if running is None else running.switches.next_progress
-            return math.inf if at is None else at
+            return math.inf if running is None else running.switches.next_progress
 
     def sent(self, id_: str, command: MotionCommand) -> None:
         """A motion was sent to the planner."""
@@ -142,7 +141,7 @@ class PathSwitching:
                 return
             self._switch_all(running.switches.due(progress))
             delay = running.switches.delay(now, progress)
-            if delay is not None and delay < FARTHEST_PREDICTION:
+            if delay < FARTHEST_PREDICTION:
                 self._next_time = now + delay
 
     def step(self, now: float) -> None:
@@ -152,9 +151,7 @@ class PathSwitching:
             if running is None or now < self._next_time:
                 return
             self._next_time = math.inf
-            at = running.switches.next_progress
-            if at is not None:
-                self._switch_all(running.switches.due(at))
+            self._switch_all(running.switches.due(running.switches.next_progress))
 
     def drop(self) -> None:
         """Switch nothing any more for the motions on their way."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
@@ -37,9 +38,9 @@ class PathSwitches:
         self._last: tuple[float, float] | None = None
 
     @property
-    def next_progress(self) -> float | None:
-        """Progress 0..1 at which the next switch is due, None if there is none."""
-        return self._waiting[0][0] if self._waiting else None
+    def next_progress(self) -> float:
+        """Progress 0..1 at which the next switch is due, infinite if there is none."""
+        return self._waiting[0][0] if self._waiting else math.inf
 
     def due(self, progress: float) -> list[PathSwitch]:
         """The switches up to a progress, once."""
@@ -55,7 +56,7 @@ class PathSwitches:
         """Forget the switches of motions that have another path now."""
         self._waiting = [item for item in self._waiting if item[2] not in commands]
 
-    def delay(self, now: float, progress: float) -> float | None:
+    def delay(self, now: float, progress: float) -> float:
         """Seconds until the next switch is due, if the robot continues as between the last two calls.
 
         Calls may come late and then one upon the other: the robot is taken for no faster than planned.
@@ -65,13 +66,14 @@ class PathSwitches:
             progress: Where the robot is now, 0..1.
 
         Returns:
-            None if that is not known yet, or the robot stands.
+            Infinite if that is not known yet, there is none, or the robot stands.
         """
         last, self._last = self._last, (now, progress)
-        at = self.next_progress
-        if last is None or at is None or progress <= last[1] or now <= last[0]:
-            return None
-        return max(0.0, (at - progress) * max((now - last[0]) / (progress - last[1]), self._duration))
+        if last is None or progress <= last[1] or now <= last[0]:
+            return math.inf
+        return max(
+            0.0, (self.next_progress - progress) * max((now - last[0]) / (progress - last[1]), self._duration)
+        )
 
 
 def switches_on_path(
