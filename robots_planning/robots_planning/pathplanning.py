@@ -89,7 +89,8 @@ class PathPlanning:
         collision_margin: float = 0.0,
     ) -> None:
         self.robot = robot
-        self._loaded = lru_cache(MOST_GENERATORS)(partial(loaded_robot, robot))
+        self.loaded = lru_cache(MOST_GENERATORS)(partial(loaded_robot, robot))
+        """The robot with a payload; see `loaded_robot`."""
         self._generators = lru_cache(MOST_GENERATORS)(self._make)
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
@@ -216,7 +217,7 @@ class PathPlanning:
         torque = kind is not None and self.generator(kind, settings).keeps_torque
         report = verify(
             trajectory,
-            self.loaded(settings),
+            self.loaded(settings.payload),
             **(geometry or {}),
             tool=settings.tool_pose,
             tools=tools,
@@ -226,7 +227,7 @@ class PathPlanning:
         if not report.ok:
             what = f'the plan of {kind.title}' if kind is not None else 'the trajectory'
             raise PlanningError(f'{what} breaks a limit: {report.describe()}')
-        check_weight(trajectory, self.loaded(settings), settings.payload[0])
+        check_weight(trajectory, self.loaded(settings.payload), settings.payload[0])
         alone = ToolSection(trajectory.duration, settings.tool_pose.r, np.inf, np.inf)
         self.check_collisions(trajectory, tools or [alone])
         return PlannedMotion(trajectory, kind, report)
@@ -279,14 +280,6 @@ class PathPlanning:
             with contextlib.suppress(RobotsError):
                 self.plan(kind, home, target)
 
-    def loaded(self, settings: MotionSettings) -> BaseRobotModel:
-        """The robot with the payload of the settings.
-
-        Raises:
-            InvalidInputError: the robot's dynamics are not those of its bodies, so that none can be added.
-        """
-        return self._loaded(settings.payload)
-
     def generator(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         """The planner of a kind of motion; made once for the same settings.
 
@@ -301,7 +294,7 @@ class PathPlanning:
         planner = planner_for(kind, settings)
         if kind.target == 'joints':  # which need no configuration, and every robot has them
             settings = replace(settings, configuration='')
-        return planner.from_settings(self.loaded(settings), settings)
+        return planner.from_settings(self.loaded(settings.payload), settings)
 
 
 def tool_section(kind: MotionKind, settings: MotionSettings, until: float) -> ToolSection:

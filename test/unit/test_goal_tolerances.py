@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots_planning.goal_tolerances import Tolerance
+from robots_planning.commands.trajectory_goal import Tolerance
 
 NAMES = ['A1', 'A2']
 NONE = Tolerance.none(2)

@@ -15,8 +15,7 @@ from robots_planning.commands.goal_outcome import (
     SUCCESSFUL,
     Outcome,
 )
-from robots_planning.commands.trajectory_goal import Errors, TrajectoryGoal
-from robots_planning.goal_tolerances import Tolerance
+from robots_planning.commands.trajectory_goal import Errors, Tolerance, TrajectoryGoal
 
 NAMES = ['A1', 'A2']
 STILL, TARGET = np.zeros(2), np.array([0.3, 0.4])

@@ -180,7 +180,7 @@ class MotionChain:
 
     def _timing(self, commands: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
-        loaded = self._planning.loaded(commands[-1].settings)
+        loaded = self._planning.loaded(commands[-1].settings.payload)
         effort = jerk = None
         if planner_for(LINE, commands[-1].settings).keeps_torque:
             effort = axes.effort * inside

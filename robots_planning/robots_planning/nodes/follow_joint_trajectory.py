@@ -14,8 +14,7 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.streams.polled_subscription import PolledSubscription
 from robots_core.validation import Array
 from robots_planning.commands.goal_outcome import Outcome
-from robots_planning.commands.trajectory_goal import Errors, TrajectoryGoal
-from robots_planning.goal_tolerances import Tolerance
+from robots_planning.commands.trajectory_goal import Errors, Tolerance, TrajectoryGoal
 from robots_planning.nodes.one_goal_server import Goal, OneGoalServer, resolve
 from robots_planning.trajectory import Trajectory
 from robots_planning.waypoints import trajectory_through

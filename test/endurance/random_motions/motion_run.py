@@ -116,7 +116,7 @@ def plan_uses(
     problems = list(broken_limits(axes, uses))
     others = []
     if with_torque:
-        others.append((torque(planning.loaded(settings[-1]), q), TORQUE_TOLERANCE))
+        others.append((torque(planning.loaded(settings[-1].payload), q), TORQUE_TOLERANCE))
     if all(kind.cartesian for kind, _, _ in motion.commands):
         speed = tool_speed(robot, q, settings[0].tool_pose.r, settings[0].cartesian_speed)
         others.append((speed, SPEED_TOLERANCE))

@@ -71,9 +71,8 @@ class PathSwitches:
         last, self._last = self._last, (now, progress)
         if last is None or progress <= last[1] or now <= last[0]:
             return math.inf
-        return max(
-            0.0, (self.next_progress - progress) * max((now - last[0]) / (progress - last[1]), self._duration)
-        )
+        duration = max((now - last[0]) / (progress - last[1]), self._duration)
+        return max(0.0, (self.next_progress - progress) * duration)
 
 
 def switches_on_path(
