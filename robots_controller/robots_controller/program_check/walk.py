@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import Final
@@ -97,7 +98,7 @@ def walk_program(
     script = _script(setup)
     everything = list(input_combinations(script))
     combinations = everything[:most]
-    walk = _Walk(setup, longest, patience, until)
+    walk = partial(_walk, setup, longest, patience, until)
     # What is wrong with the input itself is raised here, before processes start.
     begin = time.monotonic()
     walks, left = [walk(combinations[0])], combinations[1:]
@@ -113,50 +114,43 @@ def walk_program(
     return WalkResult(problems, len(combinations), len(everything), shown)
 
 
-@dataclass(frozen=True)
-class _Walk:
-    """Walks a program; none begins after `until`. Other processes get it, with a combination of inputs."""
-
-    setup: CellSetup
-    longest: float
-    patience: float
-    until: float
-
-    def __call__(self, inputs: Inputs) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
-        """Problems and paths around obstacles (file, line, text) of one walk."""
-        left = self.until - time.monotonic()
-        if left <= 0.0:
-            late = f'not walked within the patience of {self.patience:g} s'
-            return [ProgramProblem(Path(self.setup.program).name, 0, late)], []
-        parts = cell_parts(replace(self.setup, io=''))
-        planning = LenientPlanning(parts.planning)
-        cell_io = replace(parts.cell_io, script=replace(_script(self.setup), initial=inputs))
-        # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
-        # unknown.
-        parts = replace(parts, planning=planning, cell_io=cell_io, walked=True)
-        cell = SimulatedCell(parts, drive='ideal', longest=self.longest, patience=left)
-        run = cell.run()
-        found: dict[ProgramProblem, None] = {}
-        paths: list[tuple[str, int, str]] = []
-        for motion in run.motions:
-            if motion.plan is None:
-                continue
-            file, command = motion.file, motion.command
-            error = planning.problems.get(motion.plan)
-            reasons = (
-                [refusal(error, command.pose, parts.robot.orientation_convention)]
-                if error is not None
-                else motion_problems(
-                    loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
-                )
+def _walk(
+    setup: CellSetup, longest: float, patience: float, until: float, inputs: Inputs
+) -> tuple[list[ProgramProblem], list[tuple[str, int, str]]]:
+    """Problems and paths around obstacles (file, line, text) of one walk; none begins after `until`."""
+    left = until - time.monotonic()
+    if left <= 0.0:
+        late = f'not walked within the patience of {patience:g} s'
+        return [ProgramProblem(Path(setup.program).name, 0, late)], []
+    parts = cell_parts(replace(setup, io=''))
+    planning = LenientPlanning(parts.planning)
+    cell_io = replace(parts.cell_io, script=replace(_script(setup), initial=inputs))
+    # Planning reports what collides; no guard stops the robot before it. Where guides would lead is
+    # unknown.
+    parts = replace(parts, planning=planning, cell_io=cell_io, walked=True)
+    cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
+    run = cell.run()
+    found: dict[ProgramProblem, None] = {}
+    paths: list[tuple[str, int, str]] = []
+    for motion in run.motions:
+        if motion.plan is None:
+            continue
+        file, command = motion.file, motion.command
+        error = planning.problems.get(motion.plan)
+        reasons = (
+            [refusal(error, command.pose, parts.robot.orientation_convention)]
+            if error is not None
+            else motion_problems(
+                loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
             )
-            if error is None and motion.settings.avoid and not command.kind.cartesian:
-                paths.append((file, command.line, planned_path(planning, motion)))
-            for reason in reasons:
-                found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
-        if run.error is not None:
-            found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
-        return list(found), paths
+        )
+        if error is None and motion.settings.avoid and not command.kind.cartesian:
+            paths.append((file, command.line, planned_path(planning, motion)))
+        for reason in reasons:
+            found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
+    if run.error is not None:
+        found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
+    return list(found), paths
 
 
 def _script(setup: CellSetup) -> PlcScript:

@@ -116,7 +116,8 @@ class SimulatedBag:
         every = slice(-first % self._tcp_every, None, self._tcp_every)
         positions = state[every, 0]
         if len(positions):
-            self._write_rows('tcp_pose', stamps[every], self._tcp_poses(positions))
+            r, T = self._robot.tool_poses(positions)
+            self._write_rows('tcp_pose', stamps[every], [np.hstack([r, quaternions_of(T)])])
         for topic, rows in self._waiting.items():
             if rows:
                 times, values = zip(*rows, strict=True)
@@ -145,10 +146,6 @@ class SimulatedBag:
             yield
         except RobotsError as error:
             self.problem = error
-
-    def _tcp_poses(self, positions: Array) -> list[Array]:
-        r, T = self._robot.tool_poses(positions)
-        return [np.hstack([r, quaternions_of(T)])]
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:
