@@ -1,5 +1,6 @@
 """ConfigurationGraph: the configurations that a robot takes along a path of the tool."""
 
+from contextlib import suppress
 from importlib import import_module
 
 import numpy as np
@@ -42,12 +43,11 @@ class ConfigurationGraph:
 
     def __init__(self, kinematics: PathInverseKinematics) -> None:
         self._kinematics, self._axes = kinematics, kinematics.robot.axes_data
-        self._analytic: AnalyticalInverseKinematic | None
-        try:
+        self._analytic: AnalyticalInverseKinematic | None = None
+        self._passage: SingularityPassage | None = None
+        with suppress(NoAnalyticInverseKinematicsError):
             self._analytic = AnalyticalInverseKinematic(kinematics.robot, tool=kinematics.tool)
-        except NoAnalyticInverseKinematicsError:
-            self._analytic = None
-        self._passage = None if self._analytic is None else SingularityPassage(kinematics, self._analytic)
+            self._passage = SingularityPassage(kinematics, self._analytic)
 
     def routes(self, path: CartesianPath, start: Array) -> list[Route]:
         """Candidate routes along a path that starts at joint positions `start`, (n,); at least one.

@@ -201,7 +201,10 @@ class TimeOptimalTiming:
         scale = np.full(len(s), 1.0 - RESERVE)
         for number in range(ROUNDS if start is None and self._jerk is None else MOST_ROUNDS):
             law = self._law(s, limits, scale, even, start)
-            law.window = self._window(law, window) if start is None else window
+            if start is None:
+                law.window = max(min(self._ramp * law.duration, self._longest_ramp), window)
+            else:
+                law.window = window
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return
             trajectory, places = self._sampled(even, law, limits[0], start)
@@ -223,10 +226,6 @@ class TimeOptimalTiming:
             scale = scale / local_excess(law, times, use)
             if start is None and float(scale.min()) < LOWEST_SCALE:
                 return
-
-    def _window(self, law: SwitchedTimeLaw, shortest: float) -> float:
-        """Length of the ramps of acceleration of a motion from rest, s."""
-        return max(min(self._ramp * law.duration, self._longest_ramp), shortest)
 
     def _slowed(self, plan: _Round) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits."""

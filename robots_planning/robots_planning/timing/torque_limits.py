@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from robots_core.errors import InvalidInputError, PlanningError
@@ -29,7 +31,9 @@ class TorqueLimits:
     def __init__(self, robot: BaseRobotModel, effort: Array) -> None:
         # A copy: read-only arrays would be compiled for once more.
         self._robot, self._effort = robot, np.array(effort)
-        self._dynamics = _dynamics_of(robot)
+        self._dynamics: ChainDynamics | None = None
+        with suppress(InvalidInputError):  # of robots whose own methods alone compute them
+            self._dynamics = ChainDynamics.of(robot)
 
     def rows(self, q: Array, q_s: Array, q_ss: Array) -> Array:
         """Rows (m, n, 4): torque = a s_ddot + b s_dot^2 + c at positions of a path, (m, n), over its limit.
@@ -76,14 +80,6 @@ class TorqueLimits:
             bound=float(self._effort[axis]),
             unit=unit,
         )
-
-
-def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
-    """The robot's dynamics for compiled code; None if only its own methods compute them."""
-    try:
-        return ChainDynamics.of(robot)
-    except InvalidInputError:
-        return None
 
 
 @compiled()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,13 +60,10 @@ class VerificationReport:
     jump_time: float = 0.0
     line_deviation: float | None = None
     orientation_deviation: float | None = None
-    violations: tuple[str, ...] = field(init=False)
-    """One line per limit that is broken. Jerk is reported in `uses`, and breaks nothing."""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, 'violations', tuple(self._violations()))
-
-    def _violations(self) -> list[str]:
+    @cached_property
+    def violations(self) -> tuple[str, ...]:
+        """One line per limit that is broken. Jerk is reported in `uses`, and breaks nothing."""
         lines = []
         for quantity, use in self.uses.items():
             broken = (
@@ -104,7 +102,7 @@ class VerificationReport:
                 f'the tool turns {self.orientation_deviation:.4g} rad away from its line, allowed is '
                 f'{LINE_TOLERANCE:g} rad'
             )
-        return lines
+        return tuple(lines)
 
     @property
     def ok(self) -> bool:
