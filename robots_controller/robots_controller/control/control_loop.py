@@ -281,8 +281,11 @@ class ControlLoop:
         """
         controller, mailbox = self.controller, self._mailbox
         silence, self.now = now - self.now, now
-        if silence > self._watchdog and not controller.standing:
-            self._check_silence(silence, now)
+        late = silence > self._watchdog and not controller.standing
+        if late and silence * self._processor_share() > self._watchdog:
+            # The drives have braked meanwhile, off the path: the motion does not continue.
+            reason = f'the controller was held up for {silence:.3g} s'
+            controller.trip(Fault.CONTROLLER_HELD_UP, reason, now)
         while mailbox:
             mailbox.popleft()(now)
         return controller.step(now, position)
@@ -290,12 +293,6 @@ class ControlLoop:
     def take_feedback(self, position: Array) -> None:
         """Take the feedback (n,), rad (m), of the next period ahead of it, after `report`."""
         self.controller.take(self.now, position)
-
-    def _check_silence(self, silence: float, now: float) -> None:
-        """The drives have braked meanwhile, off the path: the motion does not continue."""
-        if silence * self._processor_share() > self._watchdog:
-            reason = f'the controller was held up for {silence:.3g} s'
-            self.controller.trip(Fault.CONTROLLER_HELD_UP, reason, now)
 
     def report(self) -> None:
         """Report what the period has brought."""

@@ -106,7 +106,8 @@ class CommandPlanner:
                 self._plan(chain)
             except RobotsError as error:
                 reason = self._not_around(chain, error)
-                self._fail(first, reason)
+                self._queue.fail(first.id, self._port.time())
+                self._refuse(first, reason)
                 text = f'given up with motion {first.id} before it: {reason.message}'
                 for command in later:
                     self._refuse(command, PlanningError(text))
@@ -260,8 +261,3 @@ class CommandPlanner:
         """Answer a command that becomes no motion."""
         self._queue.refused(command.id)
         self.refuse(command.id, command.kind, error)
-
-    def _fail(self, command: QueuedCommand, error: RobotsError) -> None:
-        """Answer one that an obstacle has stopped and that does not go on around it."""
-        self._queue.fail(command.id, self._port.time())
-        self._refuse(command, error)

@@ -104,7 +104,11 @@ class JogStream:
         step = self.jogging.step(now)
         if self.jogging.limits != self._limits:
             self._limits = self.jogging.limits
-            self._report()
+            if limits := ', '.join(self._limits):
+                text = f'jogging is limited by {limits}'
+                self._node.report_health(DiagnosticStatus.WARN, text, limits=limits)
+            else:
+                self._node.ready()
         if step is None:
             self.stop()
             self.jogging.end()
@@ -115,13 +119,6 @@ class JogStream:
     def _reference(self) -> Array | None:
         before, self._newest = self._newest, self._controller.newest()
         return None if self._newest is None or self._newest is before else self._newest[0]
-
-    def _report(self) -> None:
-        if self._limits:
-            limits = ', '.join(self._limits)
-            self._node.report_health(DiagnosticStatus.WARN, f'jogging is limited by {limits}', limits=limits)
-        else:
-            self._node.ready()
 
     def stop(self) -> None:
         """End the loop."""

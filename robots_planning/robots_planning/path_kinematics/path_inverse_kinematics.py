@@ -1,14 +1,8 @@
 """Inverse kinematics along a Cartesian path: from poses over s to a joint path over s."""
 
-from functools import cached_property
-
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
-from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import (
-    HeldInverseKinematics,
-    inverse_kinematics_for,
-)
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import inverse_kinematics_for
 from robots_core.blocks.inverse_kinematics.hold import (
     DIRECTIONS,
     POSE,
@@ -74,10 +68,6 @@ class PathInverseKinematics:
             np.empty((MAX_SAMPLES + 1, n)),
             np.empty((MAX_SAMPLES + 1, n)),
         )
-
-    @cached_property
-    def _closest(self) -> DampedLeastSquares | HeldInverseKinematics:
-        return inverse_kinematics_for(self.robot, tool=self.tool, hold=self.hold)
 
     def pose(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
@@ -169,7 +159,8 @@ class PathInverseKinematics:
         """The error where no step along the path is possible: out of reach, or a singularity."""
         s = min(fraction + LOOK_AHEAD, 1.0)
         inside = np.clip(q, self._axes.lower, self._axes.upper)
-        near = self._closest.solve(path.pose(s), inside)
+        closest = inverse_kinematics_for(self.robot, tool=self.tool, hold=self.hold)
+        near = closest.solve(path.pose(s), inside)
         if near.converged:
             return self._singular(path, fraction, q)
         return PlanningError(
