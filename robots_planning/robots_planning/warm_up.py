@@ -151,7 +151,7 @@ def joint_motions() -> None:
     robot, start = _robot(), _start()
     for joint_planner in (LinearJoint, LinearJointAxes):
         trajectory = joint_planner(robot).generate(start, robot.home)
-        PathSpeedCap.free(trajectory, robot.axes_data.acceleration, PERIOD)
+        PathSpeedCap.of(trajectory, robot.axes_data.acceleration, PERIOD)
         slow = STEP * robot.axes_data.velocity
         joint_planner(robot).generate_moving((start, slow, 0.0 * slow), robot.home)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_planning.timing.path_speed_cap import PathSpeedCap, path_times
+from robots_planning.timing.path_speed_cap import PathSpeedCap
 
 from .two_axes import quintic, two_axes
 
@@ -15,11 +15,7 @@ PATH = quintic(np.zeros(2), np.array([1e-3, -1e-3]), 1.0)  # so short that the a
 
 
 def capped(allowed: float) -> FollowedMotion:
-    times = path_times(PATH)
-    _, *derivatives = PATH.sample(times)
-    cap = PathSpeedCap.of(
-        times, np.full(times.size - 1, allowed), tuple(derivatives), AXES.acceleration, RAMP
-    )
+    cap = PathSpeedCap.of(PATH, AXES.acceleration, RAMP, allowed)
     return FollowedMotion(PATH, str(allowed), cap)
 
 

@@ -7,6 +7,7 @@ from math import ceil, sqrt
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
@@ -41,35 +42,24 @@ class PathSpeedCap:
 
     @classmethod
     def of(
-        cls,
-        times: Array,
-        allowed: Array,
-        derivatives: tuple[Array, Array],
-        acceleration: Array,
-        ramp_time: float,
+        cls, trajectory: Trajectory, acceleration: Array, ramp_time: float, allowed: ArrayLike = 1.0
     ) -> PathSpeedCap:
-        """The cap on a path.
+        """The cap on the path of a trajectory.
 
         Args:
-            times: Path times of the nodes, (m,), s.
-            allowed: Path speed allowed between two nodes, (m - 1,).
-            derivatives: First and second derivative of the path at the nodes, (m, n) each.
+            trajectory: The trajectory.
             acceleration: Limits of the axes, (n,), rad/s^2.
             ramp_time: Shortest time in which the path speed falls from 1 to 0, s.
+            allowed: Path speed allowed between two of its `path_times`, (m - 1,); its own by default.
         """
-        nodes = np.minimum(np.append(allowed, 1.0), np.append(1.0, allowed)) ** 2
-        q_s, q_ss = derivatives
-        speeds = np.maximum(np.abs(q_s), SLOWEST)
-        braking = np.stack([acceleration / speeds, np.sign(q_s) * q_ss / speeds])
+        times = path_times(trajectory)
+        speeds = np.broadcast_to(allowed, times.size - 1)
+        nodes = np.minimum(np.append(speeds, 1.0), np.append(1.0, speeds)) ** 2
+        _, q_s, q_ss = trajectory.sample(times)
+        rates = np.maximum(np.abs(q_s), SLOWEST)
+        braking = np.stack([acceleration / rates, np.sign(q_s) * q_ss / rates])
         ramp = 1.0 / ramp_time
         return cls(times, nodes, braking, ramp, _viable(times, nodes, braking, ramp, 1.0))
-
-    @classmethod
-    def free(cls, trajectory: Trajectory, acceleration: Array, ramp_time: float) -> PathSpeedCap:
-        """The cap on a path that allows its own speed everywhere; see `of`."""
-        times = path_times(trajectory)
-        _, q_s, q_ss = trajectory.sample(times)
-        return cls.of(times, np.ones(times.size - 1), (q_s, q_ss), acceleration, ramp_time)
 
     @property
     def begin(self) -> float:

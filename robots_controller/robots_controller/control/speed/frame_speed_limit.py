@@ -65,8 +65,7 @@ class FrameSpeedLimit:
             return None
         times = path_times(trajectory)
         count = times.size - 1
-        q, q_s, q_ss = trajectory.sample(times)
-        places = np.array([self._places(row) for row in q])
+        places = np.array([self._places(row) for row in trajectory.sample_position(times)])
         speeds = np.linalg.norm(np.diff(places, axis=0), axis=2) * (count / trajectory.duration)
         # Speeds are means of intervals. One that changes evenly except for one instant differs from its mean
         # by at most half of the difference between this interval and one of its neighbours.
@@ -74,7 +73,7 @@ class FrameSpeedLimit:
         fastest = (speeds + 0.5 * np.maximum(around[:-1], around[1:])).max(axis=1)
         limit = PATH_MARGIN * self._limit
         allowed = limit / np.maximum(fastest, limit)
-        return PathSpeedCap.of(times, allowed, (q_s, q_ss), acceleration, ramp_time)
+        return PathSpeedCap.of(trajectory, acceleration, ramp_time, allowed)
 
     def stream_share(self, q: Array) -> float:
         """The share of the axes' velocity limits, 0..1, at which no frame is too fast, whatever axes move.

@@ -76,7 +76,7 @@ class SpeedControl:
         if self._frame_limit is not None:
             cap = self._frame_limit.cap(trajectory, self._acceleration, self._ramp_time)
         if cap is None and self.zones is not None:
-            return PathSpeedCap.free(trajectory, self._acceleration, self._ramp_time)
+            return PathSpeedCap.of(trajectory, self._acceleration, self._ramp_time)
         return cap
 
     def borders(self, trajectory: Trajectory) -> tuple[Border, ...]:
