@@ -72,13 +72,6 @@ class CommandAuthority:
             raise CommandRefusedError(f'{self.commander} commands the robot, not {commander}')
         self.commander, self._suspended = Commander.NOBODY, False
 
-    def lose(self, commander: Commander) -> bool:
-        """A commander is gone: the robot is free if it had it; returns whether it had."""
-        had = self.commander is commander
-        if had or self.commander is Commander.NOBODY:
-            self.give_back(commander)
-        return had
-
     def take_over(self, commander: Commander) -> None:
         """Take the robot from any commander, see `ControlLoop.take_over`.
 

@@ -240,7 +240,10 @@ class ControlLoop:
 
         A robot that a pendant had stops on its path; that of a program is stopped by `Fault.PROGRAM_LOST`.
         """
-        had = self.controller.speed.authority.lose(commander)
+        authority = self.controller.speed.authority
+        had = authority.commander is commander
+        if had or authority.commander is Commander.NOBODY:
+            authority.give_back(commander)
         if had and commander is Commander.PENDANT:
             self.cancel(reason)
         return had

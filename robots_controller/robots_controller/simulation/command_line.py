@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import FrameType
 
 from rich.console import Console
 from rich.markup import escape
@@ -33,14 +32,10 @@ DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 def start_simulation(options: argparse.Namespace, console: Console) -> int:
     """Simulate as the command line says; see `run`."""
     for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C
-        signal.signal(number, _interrupt)
+        signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
     # Started in the background, a process ignores SIGINT.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     return run(complete_options(options), console)
-
-
-def _interrupt(_signal: int, _frame: FrameType | None) -> None:
-    signal.raise_signal(signal.SIGINT)
 
 
 def complete_options(options: argparse.Namespace) -> argparse.Namespace:

@@ -122,12 +122,13 @@ class SharedZone:
         # In this order: a robot that has granted the claim of this one may have claimed the zone since.
         if claim is not None and all(self._granted_by(name, claim) for name in self._others):
             self.mine = True
-        granted = {}
+        free, granted = inside is False and not self.mine, {}
         for name, state in self._received.items():
             theirs = state.claim
             if theirs is None:
                 continue
-            if self.state.granted.get(name) == theirs or self._yields(claim, inside, name, theirs):
+            yields = free and (claim is None or (theirs.number, name) < (claim.number, self._name))
+            if yields or self.state.granted.get(name) == theirs:
                 granted[name] = theirs
         if (claim, granted) != (self.state.claim, dict(self.state.granted)):
             self.state = ZoneState(claim, MappingProxyType(granted))
@@ -135,8 +136,3 @@ class SharedZone:
     def _granted_by(self, name: str, claim: Claim) -> bool:
         state = self._received.get(name)
         return state is not None and state.granted.get(self._name) == claim
-
-    def _yields(self, claim: Claim | None, inside: bool | None, name: str, theirs: Claim) -> bool:  # noqa: FBT001
-        if self.mine or inside is not False:
-            return False
-        return claim is None or (theirs.number, name) < (claim.number, self._name)
