@@ -1,6 +1,7 @@
 """CrashSafeWriter: a bag that is whole at any time, so that a kill loses its last second alone."""
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -77,10 +78,6 @@ class CrashSafeWriter(Writer):
             if self._file.chunk.bio.tell() + rows[part].nbytes + 64 * step > CHUNK_SIZE:
                 self._end_chunk()
             self._file.write_rows(connection.id, timestamps[part], rows[part])
-            self.counts[connection.id] += len(timestamps[part])
-        if len(timestamps):
-            self.min_timestamp = min(int(timestamps[0]), self.min_timestamp)
-            self.max_timestamp = max(int(timestamps[-1]), self.max_timestamp)
 
     def _end_chunk(self) -> None:
         if (len(self._file.chunks) + 1) % self._chunks:
@@ -98,20 +95,11 @@ class CrashSafeWriter(Writer):
         if not self.ended:
             with self._ended_by_errors():
                 self._save()
-                if len(self._file.chunks) >= MOST_CHUNKS:
-                    self._begin_file()
-
-    def _begin_file(self) -> None:
-        """Go on in another file; the bag has it from the next flush on."""
-        last = self._file
-        file = last.successor(len(self._finished) + 1)
-        last.finish()
-        self._finished.append(last)
-        self.storage = file
-
-    @property
-    def _files(self) -> list[CrashSafeFile]:
-        return [*self._finished, self._file]
+                last = self._file
+                if len(last.chunks) >= MOST_CHUNKS:  # the bag has its next file from the next flush on
+                    self.storage = last.successor(len(self._finished) + 1)
+                    last.finish()
+                    self._finished.append(last)
 
     def close(self) -> None:
         """Write what has come and end."""
@@ -131,8 +119,11 @@ class CrashSafeWriter(Writer):
 
     def _description(self) -> dict[str, Any]:
         """What `metadata.yaml` has: JSON is YAML, and written in no time every second."""
-        files = [file.description for file in self._files]
-        span = time_span(self.min_timestamp, self.max_timestamp, sum(self.counts.values()))
+        written = [*self._finished, self._file]
+        files = [file.description for file in written]
+        counts = sum((Counter(file.channel_stats) for file in written), Counter[int]())
+        start = min(file.message_start_time for file in written)
+        end = max(file.message_end_time for file in written)
         topics = []
         for connection in self.connections:
             assert isinstance(connection.ext, ConnectionExtRosbag2)
@@ -144,12 +135,12 @@ class CrashSafeWriter(Writer):
                 'offered_qos_profiles': dump_qos_v9(ext.offered_qos_profiles),
                 'type_description_hash': connection.digest,
             }
-            topics.append({'topic_metadata': metadata, 'message_count': self.counts[connection.id]})
+            topics.append({'topic_metadata': metadata, 'message_count': counts[connection.id]})
         return {
             'version': VERSION,
             'storage_identifier': 'mcap',
             'relative_file_paths': [file['path'] for file in files],
-            **span,
+            **time_span(start, end, counts.total()),
             'topics_with_message_count': topics,
             'compression_format': '',
             'compression_mode': '',
@@ -170,10 +161,6 @@ class CrashSafeWriter(Writer):
     def _save_what_fits(self) -> None:
         saved = False
         while not saved and self._file.go_back():
-            files = self._files
-            self.counts = {key: sum(file.channel_stats.get(key, 0) for file in files) for key in self.counts}
-            self.min_timestamp = min(file.message_start_time for file in files)
-            self.max_timestamp = max(file.message_end_time for file in files)
             with suppress(OSError):
                 self._save()
                 saved = True
