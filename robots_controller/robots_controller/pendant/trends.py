@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_controller.io.io_image import IMAGES
 from robots_controller.pendant.pendant_state import PendantState, ShownIo
@@ -57,11 +59,8 @@ class Trends:
             elif state.io.labels is not self._labels:
                 self.signals = tuple(self._all_signals(state.io))
             self._labels = state.io.labels
-            row = self._count % SAMPLES
-            self._times[row] = now
             with np.errstate(over='ignore'):  # what is too large counts as missing
-                self._values[row] = [*self._sample(state)]
-            self._count += 1
+                self._samples.append((now, np.array([*self._sample(state)], np.float32)))
 
     def curve(self, key: str, window: float) -> tuple[Array, Array]:
         """Times (s, up to 0 for now) and values of a signal in a window, s, oldest first.
@@ -70,22 +69,19 @@ class Trends:
         """
         with self._lock:
             column = next((i for i, one in enumerate(self.signals) if one.key == key), -1)
-            if column < 0 or not self._count:
+            if column < 0 or not self._samples:
                 return np.empty(0), np.empty(0)
-            rows = np.arange(max(0, self._count - SAMPLES), self._count) % SAMPLES
-            times = self._times[rows] - self._times[rows[-1]]
-            values = self._values[rows, column].astype(float)
+            times = np.array([time for time, _ in self._samples]) - self._samples[-1][0]
+            values = np.array([float(row[column]) for _, row in self._samples])
         wanted = (times >= -window) & np.isfinite(values)
         times, values = times[wanted], values[wanted]
         every = max(1, -(-times.size // MOST_POINTS))
         return times[::-1][::every][::-1], values[::-1][::every][::-1]
 
     def _begin(self, io: ShownIo) -> None:
-        self._count = 0
         self.signals = tuple(self._all_signals(io))
         """All of them, with the newest names of their channels."""
-        self._times = np.zeros(SAMPLES)
-        self._values = np.full((SAMPLES, len(self.signals)), np.nan, np.float32)
+        self._samples: deque[tuple[float, NDArray[np.float32]]] = deque(maxlen=SAMPLES)
 
     def _all_signals(self, io: ShownIo) -> Iterator[Signal]:
         axes = self._axes
