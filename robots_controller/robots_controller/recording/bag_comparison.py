@@ -118,11 +118,7 @@ def compare_bags(recorded: Bag, expected: Bag, tolerances: BagTolerances | None 
         RobotsError: nothing to compare, the topic to align by is missing, or messages that cannot be read.
     """
     tolerances = tolerances or BagTolerances()
-    per_topic = {
-        topic: tolerance
-        for topic, description in sorted(expected.topics.items())
-        if (tolerance := tolerances.of_topic(topic, latched=description.latched)).mode != 'ignore'
-    }
+    per_topic = _compared(expected, tolerances)
     if not per_topic:
         raise BagError(f'{expected.path} has no topic to compare')
     zero = {bag.path: _zero(bag, per_topic, tolerances.align) for bag in (expected, recorded)}
@@ -139,13 +135,14 @@ def compare_bags(recorded: Bag, expected: Bag, tolerances: BagTolerances | None 
         is_ = _prime(_timed(found[topic], zero[recorded.path]), latched=latched)
         difference = _type_difference(topic, recorded, expected) or _compare(topic, is_, should, tolerance)
         results.append(TopicResult(topic, len(should), len(is_), difference))
-    unexpected = sorted(
-        topic
-        for topic, description in recorded.topics.items()
-        if topic not in expected.topics
-        and tolerances.of_topic(topic, latched=description.latched).mode != 'ignore'
-    )
+    unexpected = [topic for topic in _compared(recorded, tolerances) if topic not in expected.topics]
     return Comparison(tuple(results), tuple(unexpected), tuple(unknown))
+
+
+def _compared(bag: Bag, tolerances: BagTolerances) -> dict[str, TopicTolerance]:
+    """The topics of a bag that are not ignored, in order of name."""
+    found = {name: tolerances.of_topic(name, latched=bag.topics[name].latched) for name in sorted(bag.topics)}
+    return {name: tolerance for name, tolerance in found.items() if tolerance.mode != 'ignore'}
 
 
 @dataclass(frozen=True)
@@ -287,9 +284,7 @@ def flat_fields(message: Any, path: str = '') -> Iterator[tuple[str, Value]]:
     `values.line`; the length of a list is a value of its own, `position.length`.
     """
     if is_dataclass(message) and not isinstance(message, type):
-        values = {
-            field.name: getattr(message, field.name) for field in fields(message) if field.name[0] != '_'
-        }
+        values = {name: getattr(message, name) for name in _names(message)}
         if list(values) == ['sec', 'nanosec']:
             yield path, values['sec'] * 1_000_000_000 + values['nanosec']
             return
@@ -297,7 +292,11 @@ def flat_fields(message: Any, path: str = '') -> Iterator[tuple[str, Value]]:
             yield from flat_fields(value, f'{path}.{name}' if path else name)
     elif isinstance(message, (list, tuple, np.ndarray)):
         yield f'{path}.length', len(message)
-        if len(message) and _is_pair(message[0]) and len({pair.key for pair in message}) == len(message):
+        if (
+            len(message)
+            and _names(message[0]) == ['key', 'value']
+            and len({pair.key for pair in message}) == len(message)
+        ):
             for pair in message:
                 yield f'{path}.{pair.key}', pair.value
             return
@@ -307,8 +306,5 @@ def flat_fields(message: Any, path: str = '') -> Iterator[tuple[str, Value]]:
         yield path, message
 
 
-def _is_pair(item: Any) -> bool:
-    return is_dataclass(item) and [field.name for field in fields(item) if field.name[0] != '_'] == [
-        'key',
-        'value',
-    ]
+def _names(item: Any) -> list[str]:
+    return [field.name for field in fields(item) if field.name[0] != '_'] if is_dataclass(item) else []

@@ -37,11 +37,7 @@ class TopicTolerance:
         for pattern, tolerance in reversed(self.fields):
             # Brackets are letters of paths, not sets of letters.
             literal = pattern.replace('[', '[[]')
-            if (
-                fnmatchcase(path, literal)
-                or fnmatchcase(path, f'{literal}.*')
-                or fnmatchcase(path, f'{literal}[[]*')
-            ):
+            if any(fnmatchcase(path, f'{literal}{below}') for below in ('', '.*', '[[]*')):
                 return tolerance
         return self.absolute
 
