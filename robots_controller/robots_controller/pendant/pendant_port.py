@@ -51,7 +51,7 @@ class JogPort(Protocol):
         """Where the robot shall be now, (n,), rad (m); None while no controller says so."""
 
 
-class OperatorPort(ProgramPort, Protocol):
+class PendantPort(ProgramPort, JogPort, Protocol):
     """What else an operator commands. `set_parameters` and `force` wait for an answer, as `ProgramPort`."""
 
     def feedback(self) -> MeasuredMotion | None:
@@ -71,7 +71,3 @@ class OperatorPort(ProgramPort, Protocol):
 
     def force(self, channel: Channel, value: float | None) -> None:
         """Force an input to a value; None releases it."""
-
-
-class PendantPort(OperatorPort, JogPort, Protocol):
-    """All of it."""

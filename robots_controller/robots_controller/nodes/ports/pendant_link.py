@@ -113,7 +113,7 @@ class PendantLink(ProgramLink):
         return None if newest is None else newest[0]
 
     def feedback(self) -> MeasuredMotion | None:
-        """See `OperatorPort`."""
+        """See `PendantPort`."""
         message = self._feedback.take()
         if message is None:
             return None
@@ -124,24 +124,24 @@ class PendantLink(ProgramLink):
         return None if tau is None else MeasuredMotion(seconds(message.header.stamp), q, tau)
 
     def show_ghost(self, q: Array | None) -> None:
-        """See `OperatorPort`; without positions the ghost is gone."""
+        """See `PendantPort`; without positions the ghost is gone."""
         self._ghosts.publish(JointState() if q is None else BUILD.joint_state(0, self._names, q))
 
     def set_override(self, value: float) -> None:
-        """See `OperatorPort`."""
+        """See `PendantPort`."""
         self._overrides.publish(Float64(data=float(value)))
 
     def stop(self) -> None:
-        """See `OperatorPort`; both nodes are asked, whatever else does not answer."""
+        """See `PendantPort`; both nodes are asked, whatever else does not answer."""
         for service in STOPS:
             self._services.send(service)
 
     def set_parameters(self, node: str, **values: object) -> None:
-        """See `OperatorPort`."""
+        """See `PendantPort`."""
         set_parameters(self._services, node, **values)
 
     def force(self, channel: Channel, value: float | None) -> None:
-        """See `OperatorPort`."""
+        """See `PendantPort`."""
         if value is None:
             self._io.release(channel.name)
         else:
