@@ -47,7 +47,7 @@ function table(data, timeline) {
   head.append(names);
   const body = element('tbody');
   const marked = [];
-  const longest = Math.max(0, ...data.rows.map((row) => (row.bar || []).reduce((a, b) => a + b, 0)));
+  const longest = Math.max(0, ...data.rows.map((row) => row.bar.reduce((a, b) => a + b, 0)));
   for (const row of data.rows) {
     const line = element('tr', row.bad ? 'bad' : '');
     data.columns.forEach((column, k) => {
@@ -55,10 +55,10 @@ function table(data, timeline) {
       if (column.kind === 'bar') cell.append(bar(row.bar, longest));
       else cell.textContent = column.kind === 'text' ? row.cells[k].replaceAll('_', '_\u200b') : row.cells[k]; // may wrap there
       if (column.kind === 'code') cell.title = row.cells[k];
-      if (row.trends && row.trends[k]) cell.className = row.trends[k];
+      if (row.trends[k]) cell.className = row.trends[k];
       line.append(cell);
     });
-    if (row.spans && row.spans.length) {
+    if (row.spans.length) {
       line.dataset.start = row.spans[0][0];
       line.addEventListener('click', () => {
         const from = row.spans[0][0];
@@ -144,8 +144,8 @@ function main() {
     event.preventDefault();
     timeline.play(!timeline.playing);
   });
-  window.addEventListener('resize', () => timeline.tell(true));
-  timeline.tell(true);
+  window.addEventListener('resize', () => timeline.tell());
+  timeline.tell();
   return { timeline, view, panels };
 }
 

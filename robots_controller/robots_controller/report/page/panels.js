@@ -125,15 +125,26 @@ class Panel {
     for (const t of found) {
       const x = Math.round(this.x(t)) + 0.5;
       pen.strokeStyle = '#edf0f3';
-      pen.beginPath();
-      pen.moveTo(x, 2);
-      pen.lineTo(x, this.bottom);
-      pen.stroke();
+      this.upright(pen, x);
       pen.fillStyle = '#7b8794';
       pen.fillText(t.toFixed(digits) + ' s', x, this.bottom + 4);
     }
     pen.strokeStyle = '#c3cbd3';
     pen.strokeRect(LEFT + 0.5, 2.5, this.width - LEFT - RIGHT - 1, this.bottom - 3);
+  }
+
+  upright(pen, x) {
+    pen.beginPath();
+    pen.moveTo(x, 2);
+    pen.lineTo(x, this.bottom);
+    pen.stroke();
+  }
+
+  level(pen, y) {
+    pen.beginPath();
+    pen.moveTo(LEFT, y);
+    pen.lineTo(this.width - RIGHT, y);
+    pen.stroke();
   }
 
   range() {
@@ -156,22 +167,14 @@ class Panel {
     pen.textBaseline = 'middle';
     for (const value of found) {
       pen.strokeStyle = '#edf0f3';
-      pen.beginPath();
-      pen.moveTo(LEFT, Math.round(y(value)) + 0.5);
-      pen.lineTo(this.width - RIGHT, Math.round(y(value)) + 0.5);
-      pen.stroke();
+      this.level(pen, Math.round(y(value)) + 0.5);
       pen.fillStyle = '#7b8794';
       pen.fillText(value.toFixed(digits), LEFT - 6, y(value));
     }
     this.clipped(pen, () => {
       pen.strokeStyle = '#e03131';
       pen.setLineDash([5, 4]);
-      for (const mark of this.panel.marks || []) {
-        pen.beginPath();
-        pen.moveTo(LEFT, y(mark));
-        pen.lineTo(this.width - RIGHT, y(mark));
-        pen.stroke();
-      }
+      for (const mark of this.panel.marks || []) this.level(pen, y(mark));
       pen.setLineDash([]);
       for (const item of this.series) if (item.shown) this.drawCurve(pen, item, y);
     });
@@ -280,11 +283,11 @@ class Panel {
     this.series.forEach((item, k) => {
       if (!this.values[k]) return;
       const i = Math.max(indexAt(item.t, cursor), 0);
-      const scale = item.show || { scale: 1, offset: 0, unit: '' };
-      const value = item.y.length ? item.y[i] * scale.scale + scale.offset : NaN;
-      this.values[k].textContent = Number.isFinite(value) ? value.toPrecision(4).replace(/e.*/, '') + ' ' + scale.unit : '';
+      const { scale, offset, unit } = item.show;
+      const value = item.y.length ? item.y[i] * scale + offset : NaN;
+      this.values[k].textContent = Number.isFinite(value) ? value.toPrecision(4).replace(/e.*/, '') + ' ' + unit : '';
       // A curve has 16 bits: what is smaller than that is nothing.
-      if (Math.abs(value) < Math.max(1e-4, 3e-5 * (item.high - item.low) * Math.abs(scale.scale))) this.values[k].textContent = '0 ' + scale.unit;
+      if (Math.abs(value) < Math.max(1e-4, 3e-5 * (item.high - item.low) * Math.abs(scale))) this.values[k].textContent = '0 ' + unit;
     });
     if (this.drag !== undefined) {
       pen.fillStyle = 'rgba(11, 114, 133, 0.12)';
@@ -293,9 +296,6 @@ class Panel {
     const x = Math.round(this.x(cursor)) + 0.5;
     if (x < LEFT || x > this.width - RIGHT) return;
     pen.strokeStyle = '#e03131';
-    pen.beginPath();
-    pen.moveTo(x, 2);
-    pen.lineTo(x, this.bottom);
-    pen.stroke();
+    this.upright(pen, x);
   }
 }

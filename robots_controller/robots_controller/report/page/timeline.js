@@ -12,11 +12,11 @@ class Timeline {
 
   watch(watcher) { this.watchers.push(watcher); }
 
-  tell(zoomed) { for (const watcher of this.watchers) watcher(zoomed); }
+  tell() { for (const watcher of this.watchers) watcher(); }
 
   setCursor(t) {
     this.cursor = Math.min(Math.max(t, 0), this.duration);
-    this.tell(false);
+    this.tell();
   }
 
   zoom(start, end) {
@@ -24,7 +24,7 @@ class Timeline {
     let length = Math.min(Math.max(end - start, shortest), this.duration);
     this.start = Math.min(Math.max(start, 0), this.duration - length);
     this.end = this.start + length;
-    this.tell(true);
+    this.tell();
   }
 
   zoomAround(t, factor) {
@@ -35,7 +35,7 @@ class Timeline {
 
   play(on) {
     this.playing = on;
-    if (!on) { this.tell(false); return; }
+    if (!on) { this.tell(); return; }
     if (this.cursor >= this.duration) this.cursor = 0;
     let last = performance.now();
     const step = (now) => {
@@ -44,7 +44,7 @@ class Timeline {
       last = now;
       if (this.cursor >= this.duration) this.play(false); else requestAnimationFrame(step);
     };
-    this.tell(false);
+    this.tell();
     requestAnimationFrame(step);
   }
 }

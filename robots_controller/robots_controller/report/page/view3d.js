@@ -223,14 +223,19 @@ class View3d {
     }
   }
 
-  drawMesh(mesh, model, colour) {
+  place(item, model, colour, lit) {
     const gl = this.gl;
     gl.uniformMatrix4fv(this.at.model, false, model);
     gl.uniform4fv(this.at.colour, colour);
-    gl.uniform1f(this.at.lit, 1);
-    gl.bindBuffer(gl.ARRAY_BUFFER, mesh.vertices);
+    gl.uniform1f(this.at.lit, lit);
+    gl.bindBuffer(gl.ARRAY_BUFFER, item.vertices);
     gl.enableVertexAttribArray(this.position);
     gl.vertexAttribPointer(this.position, 3, gl.FLOAT, false, 0, 0);
+  }
+
+  drawMesh(mesh, model, colour) {
+    const gl = this.gl;
+    this.place(mesh, model, colour, 1);
     gl.bindBuffer(gl.ARRAY_BUFFER, mesh.normals);
     gl.enableVertexAttribArray(this.normal);
     gl.vertexAttribPointer(this.normal, 3, gl.BYTE, true, 4, 0);
@@ -240,12 +245,7 @@ class View3d {
 
   drawLines(lines, kind, model, colour) {
     const gl = this.gl;
-    gl.uniformMatrix4fv(this.at.model, false, model);
-    gl.uniform4fv(this.at.colour, colour);
-    gl.uniform1f(this.at.lit, 0);
-    gl.bindBuffer(gl.ARRAY_BUFFER, lines.vertices);
-    gl.enableVertexAttribArray(this.position);
-    gl.vertexAttribPointer(this.position, 3, gl.FLOAT, false, 0, 0);
+    this.place(lines, model, colour, 0);
     gl.disableVertexAttribArray(this.normal);
     gl.drawArrays(kind, 0, lines.count);
   }
