@@ -152,18 +152,11 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         now, place = _newest(program, time, {}), places.get(id_, {})
         commander = _newest(commanders, time, None)
         pendant = commander is not None and commander.data == Commander.PENDANT
-        motion = replace(
-            _command(
-                robot,
-                settings_from_text(_newest(settings, time, {}), pendant=pendant),
-                (topic, message),
-                result,
-                planned=last in plans,
-            ),
-            file=place.get('motion_file', now.get('file', '')),
-            line=int(place.get('motion_line', now.get('line')) or 0),
-        )
-        chain.append(motion)
+        file = place.get('motion_file', now.get('file', ''))
+        line = int(place.get('motion_line', now.get('line')) or 0)
+        held = settings_from_text(_newest(settings, time, {}), pendant=pendant)
+        sent = file, line, topic, message
+        chain.append(_command(robot, held, sent, result, planned=last in plans))
         if id_ != last_of.get(last, id_):
             continue
         planned, (ended, result) = plans.get(last), results.get(last, (time, None))
@@ -245,9 +238,14 @@ def _newest(items: Sequence[tuple[float, Any]], time: float, default: Any) -> An
 
 
 def _command(
-    robot: BaseRobotModel, settings: MotionSettings, sent: tuple[str, Any], result: Any, *, planned: bool
+    robot: BaseRobotModel,
+    settings: MotionSettings,
+    sent: tuple[str, int, str, Any],
+    result: Any,
+    *,
+    planned: bool,
 ) -> MotionRecord:
-    topic, message = sent
+    file, line, topic, message = sent
     ok = result is not None and result.level == OK
     q, pose = None, Pose.identity()
     if not (ok or planned):
@@ -263,8 +261,8 @@ def _command(
         pose = settings.in_base(tool) @ settings.tool_pose.inverse()
     return MotionRecord(
         id=_stamp_id(message),
-        file='',
-        line=0,
+        file=file,
+        line=line,
         kind=KIND_OF_TOPIC[topic],
         settings=settings,
         q=q,
