@@ -59,10 +59,12 @@ class Texts:
         """What an error says in this language; in English where there is no text for its key or code."""
         if isinstance(error, NotPermittedError):
             return self._reason(error)
+        unit = error.details.get('unit', '')
+        facts = {name: _Fact(value, unit) for name, value in error.details.items()}
         for key in (f'errors.{error.code}_{error.details.get("key")}', f'errors.{error.code}'):
             if (text := self.texts.get(key)) is not None:
                 with suppress(KeyError):  # a node of another version may send other facts
-                    return f'{_place(error)}{text.format(message=error.message, **_facts(error))}'
+                    return f'{_place(error)}{text.format(message=error.message, **facts)}'
         return str(error)
 
 
@@ -79,11 +81,6 @@ class _Fact:
             shown = '°' if self._unit == 'rad' else 'mm'
         scale, digits = SHOWN_UNITS[shown]
         return f'{scale * float(self._value):.{digits}f}{"" if shown == "°" else " "}{shown}'
-
-
-def _facts(error: RobotsError) -> dict[str, _Fact]:
-    unit = error.details.get('unit', '')
-    return {name: _Fact(value, unit) for name, value in error.details.items()}
 
 
 def _place(error: RobotsError) -> str:

@@ -229,13 +229,10 @@ class ProgramPanel(Part):
         self.line.show(reason)
         if reason or self._editor.open:
             return
-        try:
-            file = self._file or Path(path).name
-            self._editor.edit(file, read_program(path, file), self._cursor)
-        except RobotsError as error:
-            self.line.show(self.text.error(error))
-            return
-        self._source.set_visibility(False)
+        file = self._file or Path(path).name
+        if (text := self.read(partial(read_program, path, file))) is not None:
+            self._editor.edit(file, text, self._cursor)
+            self._source.set_visibility(False)
 
     def _end_edit(self, problems: Sequence[ProgramProblem] | None) -> None:
         self._source.set_visibility(True)
