@@ -28,17 +28,6 @@ MESSAGE_FIELDS: Final = (
 
 
 @dataclass(frozen=True)
-class _Extent:
-    """How much of a file is written: its length, the chunks in it, and their messages by channel."""
-
-    length: int
-    chunks: int
-    counts: dict[int, int]
-    start: int
-    end: int
-
-
-@dataclass(frozen=True)
 class _FileStem:
     """Stands for a bag's folder whose file the base class names after it."""
 
@@ -57,12 +46,13 @@ class CrashSafeFile(McapWriter):
         super().__init__(stem, compression)
         # Unbuffered: a buffer would try again later to write what has failed.
         self.bio = self.bio.detach()  # type: ignore[assignment]
-        self._extents = deque([self._extent()], maxlen=MOST_BACK)
+        self._extents: deque[tuple[int, int, dict[int, int], int, int]] = deque(maxlen=MOST_BACK)
+        self._keep_extent()
 
     def close_chunk(self) -> None:
         """Write the messages received so far."""
         self._write_at_once(super().close_chunk)
-        self._extents.append(self._extent())
+        self._keep_extent()
 
     def close(self, version: int, metadata: str) -> None:
         """Write the messages received so far and the end of the file; more may follow."""
@@ -79,7 +69,7 @@ class CrashSafeFile(McapWriter):
         self._write_at_once(write)
         self.bio.seek(length)
         if more:  # otherwise `go_back` would come to the same extent again and again
-            self._extents.append(self._extent())
+            self._keep_extent()
 
     def _write_at_once(self, write: Callable[[], None]) -> None:
         """In one piece: a kill hits between two writes, hardly ever inside one."""
@@ -93,24 +83,22 @@ class CrashSafeFile(McapWriter):
         while rest:
             rest = rest[file.write(rest) :]
 
-    def _extent(self) -> _Extent:
-        counts = dict(self.channel_stats)
-        return _Extent(
-            self.bio.tell(), len(self.chunks), counts, self.message_start_time, self.message_end_time
-        )
+    def _keep_extent(self) -> None:
+        """Keep how much is written: length, chunks, messages by channel, and their first and last time."""
+        length, counts = self.bio.tell(), self.channel_stats.copy()
+        span = self.message_start_time, self.message_end_time
+        self._extents.append((length, len(self.chunks), counts, *span))
 
     def go_back(self) -> bool:
         """Forget what could not be written, or one chunk more with each call; False if there is none."""
         if not self._extents:
             return False
-        extent = self._extents.pop()
-        self.bio.seek(extent.length)
+        length, chunks, counts, self.message_start_time, self.message_end_time = self._extents.pop()
+        self.bio.seek(length)
         self.bio.truncate()
-        del self.chunks[extent.chunks :]
+        del self.chunks[chunks:]
         self.chunk = PendingChunk(2**63 - 1, 0, BytesIO(), defaultdict(list))
-        for channel in self.channel_stats:
-            self.channel_stats[channel] = extent.counts.get(channel, 0)
-        self.message_start_time, self.message_end_time = extent.start, extent.end
+        self.channel_stats = dict.fromkeys(self.channel_stats, 0) | counts
         return True
 
     def write_rows(self, channel: int, times: NDArray[np.int64], rows: NDArray[np.uint8]) -> None:
