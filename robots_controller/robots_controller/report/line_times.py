@@ -105,11 +105,9 @@ def time_spans(run: RecordedRun) -> tuple[Span, ...]:
 
 
 def line_times(run: RecordedRun, spans: Iterable[Span]) -> tuple[LineTime, ...]:
-    """Times of all lines that the run came to, in the program's order; their sum is the run's duration.
+    """Times of all lines that a run came to, of its `time_spans`, in the program's order.
 
-    Args:
-        run: The run.
-        spans: Its `time_spans`.
+    Their sum is the run's duration.
     """
     sources = {(point.file, point.line): point.source for point in run.program if point.line}
     spent: dict[tuple[str, int], dict[Activity, float]] = {}

@@ -39,13 +39,7 @@ class JogCommand:
 
     @classmethod
     def from_key(cls, key: str, speed: float, num_axes: int, taught: Array | None = None) -> JogCommand:
-        """The command of a button, such as 'axes 0 +' or 'tool 2 -'.
-
-        Args:
-            key: Of the button.
-            speed: Part of the highest jog speed, 0..1.
-            num_axes: The robot's.
-            taught: Orientation of the taught frame in the robot's base, (3, 3).
+        """The command of a button, such as 'axes 0 +' or 'tool 2 -', at a part of the highest jog speed.
 
         Raises:
             InvalidInputError: no such button or speed.

@@ -68,14 +68,7 @@ class Preview:
 def step_command(
     robot: BaseRobotModel, jog: JogCommand, size: float, q: Array, state: PendantState
 ) -> MotionCommand:
-    """The motion of one step.
-
-    Args:
-        robot: The robot.
-        jog: Direction, and part of the highest jog speed.
-        size: Of the step, rad or m.
-        q: Where the robot stands, (n,), rad (m).
-        state: Has the jog speeds, and the tool and base of planning_node.
+    """The motion of one step, of a size in rad or m, from where the robot stands, (n,), rad (m).
 
     Raises:
         JointLimitError: the step leads an axis out of its limits.
