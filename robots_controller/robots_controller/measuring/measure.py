@@ -21,12 +21,12 @@ from robots_controller.program.files.program_header import read_program_header
 from robots_controller.program.files.taught_points import SUFFIX, TaughtPoint, read_points
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.joint_rows import joint_rows, recorded_robot
-from robots_controller.recording.message_rows import NANOSECONDS
 from robots_controller.terminal_table import Columns, TerminalTable
 from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.blocks.calibration.payload_identification import identify_payload
 from robots_core.errors import BagError, MeasurementError, OptionError, UnreadableFileError
 from robots_core.exit_codes import ExitCode
+from robots_core.message_builder import NANOSECONDS
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel

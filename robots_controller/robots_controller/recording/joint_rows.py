@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_controller.recording.bag_file import Bag
-from robots_controller.recording.message_rows import NANOSECONDS, MessageRows, marks
+from robots_controller.recording.message_rows import MessageRows, marks
 from robots_core.errors import InvalidInputError
+from robots_core.message_builder import NANOSECONDS
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array

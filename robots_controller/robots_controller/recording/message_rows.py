@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys.store import Typestore
 
+from robots_core.message_builder import NANOSECONDS
 from robots_core.validation import Array
 
 # CDR of a message that begins with a Header: 4 bytes of encapsulation, then the stamp's two 32-bit words.
 STAMP_OFFSET: Final = 4
-NANOSECONDS: Final = 1_000_000_000
 
 
 def marks(count: int, number: int) -> Array:

@@ -15,7 +15,7 @@ from robots_core.cell_interface.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
-from robots_planning.motion_kinds import KIND_OF_TOPIC, LINE, MotionKind
+from robots_planning.motion_kinds import KIND_OF_TOPIC, MotionKind
 from robots_planning.motion_settings import MotionSettings, settings_from_text
 
 if TYPE_CHECKING:
@@ -102,11 +102,6 @@ class MotionRecord:
     def ended_early(self) -> bool:
         """The robot began with it and did not come to its target."""
         return self.moved and not self.ok
-
-    @property
-    def straight(self) -> bool:
-        """The tool moves on a straight line."""
-        return self.kind is LINE
 
     @property
     def zone(self) -> tuple[float, bool]:

@@ -18,6 +18,7 @@ from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals,
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_angle, held_by
 from robots_core.validation import Array
 from robots_core.wording.rounding import apart
+from robots_planning.motion_kinds import LINE
 from robots_planning.trajectory import Trajectory
 
 # Planners keep a part in a thousand from limits, and references are samples of what they planned.
@@ -219,7 +220,7 @@ def _figures(
         errors = position, held_angle(run.robot, stood, tool, target, hold)
     elif motion.ok:
         passing = _passing(run, signals, motion, after)
-    if motion.straight:
+    if motion.kind is LINE:
         deviation = line_deviation(run, signals, motion, part)
     return MotionFigures(
         motion=motion,

@@ -3,11 +3,12 @@
 from typing import Any, Final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.run_report import RunReport
+from robots_core.blocks.collision.robot_solids import flange
 from robots_core.blocks.collision.scene import AttachedObject, SceneObject
+from robots_core.orientation import quaternions_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Shape
@@ -48,11 +49,11 @@ def _robot(
         colour = shape.colour if number == 0 else (*GHOST, GHOST_OPACITY)
         parts.append(_part(shape, (shape.frame, shape.pose), colour, arrays, meshes))
     if report.scene is not None:
-        flange = _flange(run.robot)
+        tool0 = flange(run.robot)
         if number == 0:
             parts += [_part(o, (0, o.pose), o.colour, arrays, meshes) for o in report.scene.objects]
         held = run.robot.num_axes
-        parts += [_part(a, (held, flange @ a.pose), a.colour, arrays, meshes) for a in report.scene.attached]
+        parts += [_part(a, (held, tool0 @ a.pose), a.colour, arrays, meshes) for a in report.scene.attached]
     parts.sort(key=lambda part: -float(part['colour'][3]))  # what is seen through comes last
     step = max(1, run.time.size // MOST_PATH_POINTS)
     return {
@@ -72,7 +73,7 @@ def _poses(report: RunReport) -> tuple[Array, Array]:
     rows = np.unique(np.linspace(0, run.time.size - 1, min(count, run.time.size)).astype(np.int64))
     frames = [run.robot.kinematic_model.frame_axes(q) for q in run.feedback[0][rows]]
     r, T = (np.array(parts) for parts in zip(*frames, strict=True))
-    quaternions = Rotation.from_matrix(T.reshape(-1, 3, 3)).as_quat().reshape(*r.shape[:2], 4)
+    quaternions = quaternions_of(T.reshape(-1, 3, 3)).reshape(*r.shape[:2], 4)
     return run.time[rows], np.concatenate([r, quaternions], axis=2)
 
 
@@ -80,12 +81,6 @@ def _shapes(robot: BaseRobotModel) -> tuple[Shape, ...]:
     shapes = robot.visualization.shapes
     faces = sum(len(triangle_mesh(shape.geometry).faces) for shape in shapes)
     return shapes if 0 < faces <= MOST_FACES else robot.collision_model.shapes
-
-
-def _flange(robot: BaseRobotModel) -> Pose:
-    """Pose of tool0 in the frame of the last axis."""
-    r, T = robot.kinematic_model.frame_axes(robot.home)
-    return Pose(r[-1], T[-1]).inverse() @ robot.pose(robot.home)
 
 
 def _part(
