@@ -35,14 +35,12 @@ class IoChannel:
 
     Attributes:
         name: As everywhere: digital_input.1.
-        digital: It is 0 or 1.
         time: When it got its values, (k,) s, the first at 0 or before.
         value: (k,); each holds until the next.
         label: Its own name, '' for none.
     """
 
     name: str
-    digital: bool
     time: Array
     value: Array
     label: str = ''
@@ -79,13 +77,7 @@ def _channel(
     changed = np.concatenate([[True], np.diff(values) != 0.0])
     time, values = time[changed], values[changed]
     name = f'{image.removesuffix("s")}.{index + 1}'
-    return IoChannel(
-        name,
-        image.startswith('digital'),
-        read_only(time),
-        read_only(values),
-        labels.get(name, ''),
-    )
+    return IoChannel(name, read_only(time), read_only(values), labels.get(name, ''))
 
 
 @dataclass(frozen=True)

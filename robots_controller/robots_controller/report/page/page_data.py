@@ -42,7 +42,6 @@ def series(
     colour: str,
     *,
     show: tuple[float, float, str] = (1.0, 0.0, ''),
-    digital: bool = False,
 ) -> dict[str, Any]:
     """A curve of a panel.
 
@@ -53,7 +52,6 @@ def series(
         values: (m,).
         colour: CSS.
         show: Scale, offset and unit of the number that the legend shows at the cursor.
-        digital: It is 0 or 1.
     """
     scale, offset, unit = show
     curve = np.asarray(values, dtype=np.float64)
@@ -66,6 +64,5 @@ def series(
         'low': low,
         'high': high,
         'colour': colour,
-        'digital': digital,
         'show': {'scale': scale, 'offset': offset, 'unit': unit},
     }

@@ -94,20 +94,16 @@ def speed_panel(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> dic
 def io_panels(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> list[dict[str, Any]]:
     """Digital channels as a logic analyser shows them, then analog ones."""
     panels = []
-    for digital, title in ((True, 'Digital inputs and outputs'), (False, 'Analog inputs and outputs')):
+    for sort, kind in (('digital', 'logic'), ('analog', 'steps')):
         rows = []
         for prefix, report in reports:
             for channel in report.run.io:
-                if channel.digital is digital:
-                    short = channel.name.replace('digital_', '').replace('analog_', '')
-                    name = f'{prefix} {channel.label or short}'.strip()
+                if channel.name.startswith(sort):
+                    name = f'{prefix} {channel.label or channel.name.removeprefix(f"{sort}_")}'.strip()
                     colour = COLOURS[0] if 'input' in channel.name else COLOURS[1]
-                    rows.append(
-                        series(arrays, name, channel.time, channel.value, colour, digital=channel.digital)
-                    )
+                    rows.append(series(arrays, name, channel.time, channel.value, colour))
         if rows:
-            kind = 'logic' if digital else 'steps'
-            panels.append(_panel(title, '', kind, rows))
+            panels.append(_panel(f'{sort.capitalize()} inputs and outputs', '', kind, rows))
     return panels
 
 

@@ -217,6 +217,7 @@ class Panel {
   }
 
   drawRows(pen) {
+    const digital = this.panel.kind === 'logic';
     pen.textBaseline = 'middle';
     this.series.forEach((item, row) => {
       const top = 4 + row * ROW + 4;
@@ -226,7 +227,7 @@ class Panel {
       pen.fillText(item.name, LEFT - 6, (top + base) / 2, LEFT - 8);
       let low = 0;
       let high = 1;
-      if (!item.digital) { low = Math.min(0, ...item.y); high = Math.max(...item.y, low + 1e-9); }
+      if (!digital) { low = Math.min(0, ...item.y); high = Math.max(...item.y, low + 1e-9); }
       const y = (value) => base - (value - low) / (high - low) * (base - top);
       this.clipped(pen, () => {
         const step = (paint) => {
@@ -246,7 +247,7 @@ class Panel {
         step((from, to, value) => { pen.lineTo(from, y(value)); pen.lineTo(to, y(value)); });
         pen.stroke();
         pen.lineWidth = 1;
-        if (!item.digital) {
+        if (!digital) {
           pen.textAlign = 'left';
           pen.fillStyle = '#5f6c7b';
           step((from, to, value) => { if (to - from > 30 && value) pen.fillText(String(+value.toFixed(3)), from + 4, y(value) + 6); });
