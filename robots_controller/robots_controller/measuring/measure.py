@@ -47,16 +47,14 @@ class Measured:
     Attributes:
         kind: Of what is saved.
         rows: What a table shows: quantity, value, standard deviation, unit.
-        data: What `--json` prints, in SI units.
+        data: What `--json` prints, in SI units; `residuals` by point, m, are shown as a table too.
         save: Writes it to a frames file under a name.
-        residuals: By point, m.
     """
 
     kind: FrameKind
     rows: Sequence[tuple[str, str, str, str]]
     data: Mapping[str, Any]
     save: Callable[[Path, str], None]
-    residuals: Mapping[str, float]
 
 
 def measure(options: argparse.Namespace, console: Console) -> int:
@@ -73,8 +71,8 @@ def measure(options: argparse.Namespace, console: Console) -> int:
         print_json({'saved': file if options.name else None, **found.data})
         return ExitCode.OK
     TerminalTable(RESULT, found.rows).show(console)
-    if found.residuals:
-        rows = [(escape(name), f'{1e3 * one:.2f}') for name, one in found.residuals.items()]
+    if residuals := found.data.get('residuals'):
+        rows = [(escape(name), f'{1e3 * one:.2f}') for name, one in residuals.items()]
         TerminalTable(POINTS, rows).show(console)
     saved = (
         f'{found.kind} {options.name} is saved in {file}' if options.name else 'not saved; --name saves it'
@@ -105,7 +103,6 @@ def measure_tool(options: argparse.Namespace) -> Measured:
         _pose_rows(pose, robot, center.std.tolist(), turned=bool(turned)),
         {**_pose_data(pose), 'std': center.std, 'touched': center.touched, 'residuals': residuals},
         lambda file, name: measuring.save_tool(file, name, options.axis),
-        residuals,
     )
 
 
@@ -119,7 +116,6 @@ def measure_base(options: argparse.Namespace) -> Measured:
         _pose_rows(pose, robot, (), turned=True),
         _pose_data(pose),
         lambda path, name: measuring.save_base(path, name, options.tool),
-        {},
     )
 
 
@@ -142,7 +138,6 @@ def measure_payload(options: argparse.Namespace) -> Measured:
             'torque_residuals': dict(zip(robot.axes_data.names, found.torque_error.tolist(), strict=True)),
         },
         lambda file, name: FrameMeasuring(robot).save_payload(file, name, found),
-        {},
     )
 
 
