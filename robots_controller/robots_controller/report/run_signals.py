@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -27,8 +26,8 @@ class RunSignals:
 
     Attributes:
         flange_reference: Position (m, 3) m and orientation (m, 3, 3) of tool0 that the references ask for.
-        tool_reference: Position of the tool that the references ask for, (m, 3) m, base frame.
         tool: Position of the tool by the drives, (m, 3) m.
+        lag: Distance of the tool to where its reference is at that time, (m,) m.
         tool_speed: Speed of the tool by the drives, (m,) m/s.
         reference_speed: Speed of the tool that the references ask for, (m,) m/s.
         torque: Torques, (m, n) N m (N): those of the drives, or those that the references need.
@@ -40,19 +39,14 @@ class RunSignals:
     """
 
     flange_reference: tuple[Array, Array]
-    tool_reference: Array
     tool: Array
+    lag: Array
     tool_speed: Array
     reference_speed: Array
     torque: Array
     measured: bool
     power: Array
     use: dict[str, Array]
-
-    @cached_property
-    def lag(self) -> Array:
-        """Distance of the tool to where its reference is at that time, (m,) m."""
-        return read_only(np.linalg.norm(self.tool - self.tool_reference, axis=1))
 
     @classmethod
     def of(cls, run: RecordedRun) -> RunSignals:
@@ -64,12 +58,13 @@ class RunSignals:
         torque = needed if run.effort is None else run.effort
         (r, T), (r_ref, T_ref) = robot.tool_poses(q), robot.tool_poses(q_ref)
         lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
+        tool = r + lever
         middle, half = axes.middle_and_half
         rate, change = _steps(run)
         return cls(
             flange_reference=(read_only(r_ref), read_only(T_ref)),
-            tool_reference=read_only(r_ref + lever_ref),
-            tool=read_only(r + lever),
+            tool=read_only(tool),
+            lag=read_only(np.linalg.norm(tool - (r_ref + lever_ref), axis=1)),
             tool_speed=_speed(robot, q, q_dot, lever),
             reference_speed=_speed(robot, q_ref, q_dot_ref, lever_ref),
             torque=read_only(torque),
