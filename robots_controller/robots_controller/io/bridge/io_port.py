@@ -67,31 +67,41 @@ class Arrival:
 
 
 class IoPort(Protocol):
-    """One partner of rows. None of the methods blocks, except `finish` for as long as it may."""
+    """One partner of rows; by itself it has sent nothing, and has nothing to say.
+
+    None of the methods blocks, except `finish` for as long as it may.
+    """
 
     def kind(self, place: Any) -> str:
         """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
 
     def arrivals(self) -> Sequence[Arrival]:
         """What came since the last call, in order."""
+        return ()
 
     def lost(self) -> int:
         """Values since the last call that came faster than they could be sent or taken, at least."""
+        return 0
 
-    def send(self, values: Mapping[Any, Number]) -> None:
+    def send(self, values: Mapping[Any, Number]) -> None:  # noqa: ARG002  # to inputs nothing is written
         """Write values, in this order and after those of earlier calls.
 
         What cannot be written now is written as soon as it can be, with the newest value of each place.
         """
+        return
 
     def problems(self) -> Mapping[str, str]:
         """What is wrong with this port now, each with a key that stays while the problem does."""
+        return {}
 
     def news(self) -> Sequence[str]:
         """What is to be logged once: connected again, values lost, since the last call."""
+        return ()
 
-    def finish(self, end: float) -> None:
+    def finish(self, end: float) -> None:  # noqa: ARG002
         """Wait until the partner has what was sent, at most until a time of `time.monotonic`, s."""
+        return
 
     def close(self) -> None:
         """End the connection."""
+        return

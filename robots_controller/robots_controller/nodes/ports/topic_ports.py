@@ -9,7 +9,7 @@ from typing import Any, Final
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 
-from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.io_port import Arrival, IoPort, Number
 from robots_controller.io.bridge.topic_field import FieldPath, TopicField
 from robots_controller.io.io_map import IoRow, check_bit
 from robots_controller.io.number_kinds import INTEGERS
@@ -23,8 +23,8 @@ NUMBERS: Final = ('boolean', 'float', 'double', *INTEGERS)
 _ZEROS: Final[dict[str, Any]] = {'boolean': False, 'float': 0.0, 'double': 0.0, 'string': ''}
 
 
-class _Topic:
-    """One topic: an `IoPort` that has no problems of its own.
+class _Topic(IoPort):
+    """One topic.
 
     Raises:
         InvalidInputError: a row's type or field does not exist, or cannot hold its channel.
@@ -34,29 +34,8 @@ class _Topic:
         self._kinds = {place: _kind(row, place) for row, place in rows}
 
     def kind(self, place: Any) -> str:
-        """See `IoPort`; so are the others."""
+        """See `IoPort`; the node ends what it has opened."""
         return self._kinds[place]
-
-    def arrivals(self) -> Sequence[Arrival]:
-        return ()
-
-    def lost(self) -> int:
-        return 0
-
-    def send(self, values: Mapping[Any, Number]) -> None:
-        """Nothing is written to inputs."""
-
-    def problems(self) -> Mapping[str, str]:
-        return {}
-
-    def news(self) -> Sequence[str]:
-        return ()
-
-    def finish(self, end: float) -> None:
-        """Nothing was sent."""
-
-    def close(self) -> None:
-        """The node ends it."""
 
 
 class InputTopic(_Topic):
