@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
@@ -70,25 +71,31 @@ class CallStack:
 def call_stack(records: Sequence[str]) -> CallStack:
     """The stack of the sandbox's records: four texts each, of frames, scopes and variables by depth."""
     frames: list[Frame] = []
-    global_variables: list[Variable] = []
-    scope: list[Variable] = []
-    rows = [tuple(records[i : i + 4]) for i in range(0, len(records), 4)]
-    position = depth = 0
-    while position < len(rows):
-        what, name, value, detail = rows[position]
-        position += 1
+    global_variables: tuple[Variable, ...] = ()
+    depth = 0
+    rows = deque(tuple(records[i : i + 4]) for i in range(0, len(records), 4))
+    while rows:
+        what, name, value, detail = rows.popleft()
         if what == 'frame':
             frames.append(Frame(name, value, int(detail)))
         elif what == 'depth':
             depth = int(detail)
         elif what == 'scope':
-            scope = []
-            position = _variables(rows, position, 0, scope)
+            scope = _variables(rows, 0)
             if name == 'Globals':
                 global_variables = scope
             elif scope:
-                frames[-1].scopes[name] = tuple(scope)
-    return CallStack(tuple(frames), tuple(global_variables), depth)
+                frames[-1].scopes[name] = scope
+    return CallStack(tuple(frames), global_variables, depth)
+
+
+def _variables(rows: deque[tuple[str, ...]], depth: int) -> tuple[Variable, ...]:
+    """Take the rows of the variables at a depth, with those of their entries."""
+    found = []
+    while rows and rows[0][0] == str(depth):
+        _, name, value, kind = rows.popleft()
+        found.append(Variable(name, value, kind, _variables(rows, depth + 1)))
+    return tuple(found)
 
 
 def call_stack_from_json(text: str) -> CallStack:
@@ -110,15 +117,6 @@ def call_stack_from_json(text: str) -> CallStack:
         return CallStack(tuple(map(frame, data['frames'])), variables(data['globals']), int(data['depth']))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise InvalidInputError(f'the call stack cannot be read: {error!r}') from None
-
-
-def _variables(rows: list[tuple[str, ...]], position: int, depth: int, found: list[Variable]) -> int:
-    while position < len(rows) and rows[position][0] == str(depth):
-        _, name, value, kind = rows[position]
-        entries: list[Variable] = []
-        position = _variables(rows, position + 1, depth + 1, entries)
-        found.append(Variable(name, value, kind, tuple(entries)))
-    return position
 
 
 class Debugger:
