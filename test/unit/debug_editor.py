@@ -90,7 +90,6 @@ class DebuggedProgram:
         cell = CellDouble(**{name: partial(self._tell, event) for name, event in report.items()})
         self.program = LuaProgram(6, cell)
         self.server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
-        self.server.start()
         self.editor = Editor(self.server.port)
 
     def _tell(self, event: str, *what: object) -> None:

@@ -49,11 +49,7 @@ class DebugAdapterServer:
         self._nobody = self.adapter = self._adapter_of(lambda _: None)
         """The adapter of the editor that is connected, or one whose events nobody gets."""
         self._connection: socket.socket | None = None
-        self._thread = threading.Thread(target=self._serve, name='debug adapter', daemon=True)
-
-    def start(self) -> None:
-        """Wait for editors."""
-        self._thread.start()
+        threading.Thread(target=self._serve, name='debug adapter', daemon=True).start()
 
     def close(self) -> None:
         """Let the editor go and wait for no other."""

@@ -214,7 +214,6 @@ class LuaProgramNode(RobotNode):
         folder = Path(program).parent if program else Path.cwd()
         shown = token or new_token()
         server = DebugAdapterServer(self._program, token=shown, folder=folder, port=port)
-        server.start()
         secret = '' if token else f' with token {shown}'
         self.journal.info(f'editors debug programs below {folder} at port {server.port}{secret}')
         return server
