@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 from pathlib import Path
+from typing import Final
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
@@ -12,7 +13,9 @@ from rclpy.signals import SignalHandlerOptions
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.exit_codes import ExitCode
 from robots_core.process_end import bounded_end
-from robots_core.ros.running.lean_executor import LeanExecutor
+from robots_core.ros.running.spun_nodes import SpunNodes
+
+CHECK_PERIOD: Final = 0.1  # s, how soon a problem ends the recording
 
 
 def main() -> int:
@@ -20,25 +23,17 @@ def main() -> int:
     path, namespace = sys.argv[1:]
     # Ctrl-C reaches all processes of a terminal: the bag is closed when the other one is gone.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    ended = threading.Event()
-    executor = LeanExecutor()
-
-    def wait_for_end() -> None:
-        sys.stdin.buffer.read()
-        ended.set()
-        executor.wake()
-
     recorder = BagRecorder(Path(path), namespace=namespace)
-    executor.add_node(recorder)
-    threading.Thread(target=wait_for_end, daemon=True).start()
+    spinning = SpunNodes((recorder,), 'bag recorder')
+    reading = threading.Thread(target=sys.stdin.buffer.read, daemon=True)
+    reading.start()
     try:
-        while not ended.is_set() and not recorder.problem:
-            executor.spin_once()
+        while reading.is_alive() and not recorder.problem:
+            reading.join(CHECK_PERIOD)
     finally:
         recorder.close()
         with bounded_end():
-            recorder.destroy_node()  # type: ignore[no-untyped-call]
-            executor.shutdown()
+            spinning.end()
             rclpy.shutdown()
     return ExitCode.FAILED if recorder.problem else ExitCode.OK
 
