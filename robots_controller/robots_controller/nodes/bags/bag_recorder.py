@@ -4,7 +4,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -35,12 +34,6 @@ QUEUE_DEPTH = 5000
 FLUSH_PERIOD = 1.0  # s; what a kill may cost
 
 
-@dataclass(frozen=True)
-class _RecordedTopic:
-    connection: Connection
-    subscription: PolledSubscription
-
-
 class BagRecorder(Node):
     """Subscribes to every topic that it finds and writes it as received, with a thread of its own.
 
@@ -61,7 +54,7 @@ class BagRecorder(Node):
         self._prefix = namespace.rstrip('/') + '/'
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
         self._writer = CrashSafeWriter(path)
-        self._topics: dict[str, _RecordedTopic] = {}
+        self._topics: dict[str, tuple[Connection, PolledSubscription]] = {}
         self._left_out: set[str] = set()
         self._received: Counter[str] = Counter()
         self._writer.open()
@@ -75,13 +68,13 @@ class BagRecorder(Node):
             self._times = LockstepTimes(clock)
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
-        self._thread = threading.Thread(target=self._write, name='bag writer', daemon=True)
+        self._thread = threading.Thread(target=self._write_all, name='bag writer', daemon=True)
         self._thread.start()
         self.create_timer(DISCOVERY_PERIOD, self._discover)
 
     def records(self, topics: Iterable[str]) -> bool:
         """Every one of these topics is subscribed and has a publisher."""
-        found = {name for name, topic in list(self._topics.items()) if topic.subscription.publishers > 0}
+        found = {name for name, (_, messages) in list(self._topics.items()) if messages.publishers > 0}
         return all((topic if topic.startswith('/') else self._prefix + topic) in found for topic in topics)
 
     def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
@@ -139,7 +132,9 @@ class BagRecorder(Node):
                 self._left_out.add(topic)
                 self.get_logger().warning(f'{topic} is not recorded: {error}')  # type: ignore[no-untyped-call]
 
-    def _subscribe(self, topic: str, type_name: str, publishers: list[TopicEndpointInfo]) -> _RecordedTopic:
+    def _subscribe(
+        self, topic: str, type_name: str, publishers: list[TopicEndpointInfo]
+    ) -> tuple[Connection, PolledSubscription]:
         latched = all(p.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL for p in publishers)
         reliable = all(p.qos_profile.reliability is ReliabilityPolicy.RELIABLE for p in publishers)
         qos = QoSProfile(
@@ -157,32 +152,29 @@ class BagRecorder(Node):
                 typestore=self._typestore,
                 offered_qos_profiles=[_bag_qos(p.qos_profile) for p in publishers],
             )
-        return _RecordedTopic(connection, subscription)
+        return connection, subscription
 
-    def _write(self) -> None:
+    def _write_all(self) -> None:
+        unsaved, saved = False, time.monotonic()
         try:
-            self._write_all()
+            while not self._closed.wait(WRITE_PERIOD):
+                unsaved |= self._write_what_came()
+                if unsaved and time.monotonic() - saved >= FLUSH_PERIOD:
+                    with self._writing:
+                        self._writer.flush()
+                    unsaved, saved = False, time.monotonic()
+            self._write_what_came(last=True)
+            self._writer.close()
         except RobotsError as error:
             self.problem = str(error)
             self.get_logger().error(self.problem)  # type: ignore[no-untyped-call]
 
-    def _write_all(self) -> None:
-        unsaved, saved = False, time.monotonic()
-        while not self._closed.wait(WRITE_PERIOD):
-            unsaved |= self._write_what_came()
-            if unsaved and time.monotonic() - saved >= FLUSH_PERIOD:
-                with self._writing:
-                    self._writer.flush()
-                unsaved, saved = False, time.monotonic()
-        self._write_what_came(last=True)
-        self._writer.close()
-
     def _write_what_came(self, *, last: bool = False) -> bool:
         # Sent, not received: topics keep their order to each other however late they come in.
         messages: Iterable[Sent] = [
-            (info['source_timestamp'], topic.connection, data)
-            for topic in list(self._topics.values())
-            for data, info in topic.subscription.take_all()
+            (info['source_timestamp'], connection, data)
+            for connection, subscription in list(self._topics.values())
+            for data, info in subscription.take_all()
         ]
         self._received.update(connection.topic for _, connection, _ in messages)
         if self._times is not None:
