@@ -135,7 +135,7 @@ def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, ba
 )
 def test_options_that_do_not_fit_the_bag_are_refused(bag: Path, options: list[str], message: str):
     with pytest.raises(RobotsError, match=message):
-        replay_bag(REPLAY_BAG.parse([str(bag), *options]), Console())
+        replay_bag(REPLAY_BAG.parser().parse_all([str(bag), *options]), Console())
 
 
 def test_a_missing_bag_is_reported_in_one_line(ros_domain: int, tmp_path: Path):
@@ -166,5 +166,6 @@ def test_topics_of_types_that_are_not_installed_are_named(ros_domain: int, tmp_p
     assert "/level is not published: plant_msgs/msg/Level: the package 'plant_msgs' cannot" in errors
     with pytest.raises(RobotsError, match='has no topic of a message type that is installed'):
         replay_bag(
-            REPLAY_BAG.parse([str(write_plant_bag(tmp_path / 'level', [1.0], trigger=False))]), Console()
+            REPLAY_BAG.parser().parse_all([str(write_plant_bag(tmp_path / 'level', [1.0], trigger=False))]),
+            Console(),
         )

@@ -195,7 +195,7 @@ def test_every_command_that_prints_a_table_has_json() -> None:
 
 def test_options_are_refused_by_an_error_of_the_project() -> None:
     with pytest.raises(OptionError, match='cell --help lists all options'):
-        COMMANDS['cell'].parse(['--rate', 'fast'])
+        COMMANDS['cell'].parser().parse_all(['--rate', 'fast'])
 
 
 def test_every_kind_of_error_has_a_code_and_a_remedy_of_its_own() -> None:
@@ -225,7 +225,7 @@ def test_a_bag_is_found_below_its_folder(tmp_path: Path) -> None:
     for name in ('one/bag', 'two/bag', 'two/other'):
         (tmp_path / name).mkdir(parents=True)
         (tmp_path / name / 'metadata.yaml').touch()
-    parse = COMMANDS['report'].parse
+    parse = COMMANDS['report'].parser().parse_all
     assert parse([str(tmp_path / 'one')]).bag == tmp_path / 'one' / 'bag'
     assert parse([str(tmp_path / 'one' / 'bag')]).bag == tmp_path / 'one' / 'bag'
     with pytest.raises(OptionError, match=r'are 2 bags; name one of .*two/bag, .*two/other'):

@@ -78,14 +78,6 @@ class Command:
         if self.json:
             parser.add_argument('--json', action='store_true', help='print JSON in the place of tables')
 
-    def parse(self, arguments: Sequence[str]) -> argparse.Namespace:
-        """Options of a command line.
-
-        Raises:
-            OptionError: one is unknown, missing or not valid.
-        """
-        return self.parser().parse_all(arguments)
-
     def run(self, arguments: Sequence[str], prog: str = '') -> int:
         """Run it; what is wrong with the input is said in one line.
 
