@@ -72,13 +72,8 @@ def parse_emergency_stop(texts: Iterable[str]) -> dict[int, int]:
     Raises:
         InvalidInputError: not of the form 'digital_input.3=off'.
     """
-    found: dict[int, int] = {}
-    for text in filter(None, texts):
-        index, value = parse_input(
-            text, f"{text!r} is no emergency stop; valid are 'digital_input.3=off' and 'digital_input.3=on'"
-        )
-        found[index] = value
-    return found
+    valid = "valid are 'digital_input.3=off' and 'digital_input.3=on'"
+    return dict(parse_input(text, f'{text!r} is no emergency stop; {valid}') for text in filter(None, texts))
 
 
 def parse_input(text: str, wrong: str) -> tuple[int, int]:
