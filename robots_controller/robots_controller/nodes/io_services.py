@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
@@ -72,15 +72,17 @@ class IoServices:
             for name in IMAGES
         }
         self._forced_publisher = make_publisher(node, DiagnosticStatus, 'forced_inputs')
-        for name in ('digital_inputs', 'analog_inputs'):
-            subscribe(node, image_message(name), name, partial(self._on_message, name))
-        for kind, name, serve in (
+        kinds: tuple[Kind, ...] = get_args(Kind)
+        for kind in kinds:
+            topic = f'{kind}_inputs'
+            subscribe(node, image_message(topic), topic, partial(self._on_message, kind, topic))
+        for service, name, serve in (
             (GetParameters, 'get_io', self._get),
             (SetParameters, 'set_io', self._set),
             (ListParameters, 'list_io', self._list),
             (DescribeParameters, 'describe_io', self._describe),
         ):
-            node.create_service(kind, f'~/{name}', serve)
+            node.create_service(service, f'~/{name}', serve)
         for channel in image.channels:
             if channel_services and channel.kind == 'digital':
                 name = f'{channel.kind}_{channel.direction}_{channel.index}/set'
@@ -110,9 +112,9 @@ class IoServices:
 
     # -- the executor's thread ------------------------------------------------------------------
 
-    def _on_message(self, topic: str, message: UInt8MultiArray | Float64MultiArray) -> None:
+    def _on_message(self, kind: Kind, topic: str, message: UInt8MultiArray | Float64MultiArray) -> None:
         try:
-            changed = self._image.set_inputs(_kind(topic), message.data)
+            changed = self._image.set_inputs(kind, message.data)
         except InvalidInputError as error:
             self._on_inputs(topic, error)
         else:
@@ -192,7 +194,7 @@ class IoServices:
             channel, force = self._find(name)
         except InvalidInputError as error:
             return ParameterDescriptor(name=name, description=str(error))
-        text = f'{channel.kind} {channel.direction} {channel.index}'
+        digital, text = channel.kind == 'digital', f'{channel.kind} {channel.direction} {channel.index}'
         if channel.label:
             text = f'{channel.label}: {text}'
         forced = self._image.forced().get(channel)
@@ -200,7 +202,7 @@ class IoServices:
             text += f', forced to {channel.text(forced)}'
         return ParameterDescriptor(
             name=f'{channel.name}.{FORCE}' if force else channel.name,
-            type=_type(channel),
+            type=ParameterType.PARAMETER_BOOL if digital else ParameterType.PARAMETER_DOUBLE,
             description=text,
             additional_constraints=_WANTED[channel.kind],
         )
@@ -214,15 +216,6 @@ class IoServices:
         if channel.direction == 'output':
             raise InvalidInputError(f'{channel.name} is an output; only inputs can be forced')
         return channel, True
-
-
-def _kind(name: str) -> Kind:
-    return 'digital' if name.startswith('digital') else 'analog'
-
-
-def _type(channel: Channel) -> int:
-    digital = channel.kind == 'digital'
-    return int(ParameterType.PARAMETER_BOOL if digital else ParameterType.PARAMETER_DOUBLE)
 
 
 def _number(channel: Channel, value: ParameterValue) -> float:
