@@ -216,9 +216,9 @@ class LuaSandbox:
     # Called from Lua: an exception would become a Lua value that the program can see, so none leaves.
 
     def _serve(self, name: bytes, chunk: bytes, line: int, *items: Any) -> tuple[int, Any, int]:
-        token = next(self._tokens)
+        token, rest = next(self._tokens), iter(items)
         try:
-            arguments = list(_arguments(iter(items)))
+            arguments = [_argument(kind, rest) for kind in rest]
             self._waiting[token] = self._host.call(name.decode(), chunk.decode(), line, arguments)
         except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._failed(error)
@@ -292,11 +292,6 @@ class LuaSandbox:
 
 
 _DONE, _FAILED, _STOP, _LISTS, _ATTEND, _TEXT, _NOTHING = range(7)
-
-
-def _arguments(items: Iterator[Any]) -> Iterator[LuaArgument]:
-    for kind in items:
-        yield _argument(kind, items)
 
 
 def _argument(kind: bytes, items: Iterator[Any]) -> LuaArgument:

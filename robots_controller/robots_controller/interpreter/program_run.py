@@ -11,7 +11,7 @@ from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.debugger import CallStack, call_stack
 from robots_controller.interpreter.functions.lua_function import Serve
 from robots_controller.interpreter.functions.motions import Motions
-from robots_controller.interpreter.functions.run_context import RunContext
+from robots_controller.interpreter.functions.run_context import Family, RunContext
 from robots_controller.interpreter.functions.search import Search
 from robots_controller.interpreter.lua_arguments import Arguments, check_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, MAIN_FAMILIES, TASK_FAMILIES
@@ -48,18 +48,12 @@ class ProgramRun:
         self._robot = run = RunContext(program, cell, view, self._subprogram, program.hold_for)
         self._motions = run.waits = Motions(run, self._motion_ended)
         self._sizes = Sizes.of(program.num_axes, program.io, view.prismatic)
-        families = (
-            self._motions,
-            Search(run, self._motions, self._sizes, self._check),
-            *(family(run) for family in (*MAIN_FAMILIES, *TASK_FAMILIES)),
-        )
-        self._handlers = {name: serve for family in families for name, serve in family.handlers.items()}
+        search = Search(run, self._motions, self._sizes, self._check)
+        own = (family(run) for family in (*MAIN_FAMILIES, *TASK_FAMILIES))
+        self._handlers = _handlers(self._motions, search, *own)
         self._task_run = copy(run)
         self._task_run.waits = program.tasks
-        task_families = [family(self._task_run) for family in TASK_FAMILIES]
-        self._task_handlers = {
-            name: serve for family in task_families for name, serve in family.handlers.items()
-        }
+        self._task_handlers = _handlers(*(family(self._task_run) for family in TASK_FAMILIES))
 
     def run(self) -> tuple[ProgramError | None, bool]:
         """Run the program to its end.
@@ -252,3 +246,7 @@ class ProgramRun:
         if reason == 'not enough memory':
             reason += f': the values of a program may take {MAX_MEMORY // 1_000_000} MB'
         return ProgramError(reason, file=source.file, line=failure.line, **details)
+
+
+def _handlers(*families: Family) -> dict[str, Serve]:
+    return {name: serve for family in families for name, serve in family.handlers.items()}
