@@ -26,6 +26,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 SYSTEM: Final = 'MotionDeviceSystem'
+PRODUCT: Final = 'robots_controller'
 INFORMATIONAL: Final = (
     'Informational: what the controller reports. Not a safety function, and no part of a safety function.'
 )
@@ -189,20 +190,12 @@ class RobotNodes:
     async def _add_controller(self) -> None:
         made, path = self._made, self._controller
         await made.add(path, 'ControllerType', optional=CONTROLLER_PARTS)
-        values = {
-            'Manufacturer': 'Robots',
-            'Model': 'robots_controller',
-            'ParameterSet/StartUpTime': dt.datetime.now(dt.UTC),
-        }
-        await made.write_all(path, values)
-        software = f'{path}/Software/robots_controller'
+        await made.write(f'{path}/ParameterSet/StartUpTime', dt.datetime.now(dt.UTC))
+        software = f'{path}/Software/{PRODUCT}'
         await made.add(software, 'di:SoftwareType')
-        values = {
-            'Manufacturer': 'Robots',
-            'Model': 'robots_controller',
-            'SoftwareRevision': version('robots_controller'),
-        }
-        await made.write_all(software, values)
+        await made.write(f'{software}/SoftwareRevision', version(PRODUCT))
+        for product in (path, software):
+            await made.write_all(product, {'Manufacturer': 'Robots', 'Model': PRODUCT})
         await self._task.build(made.id(self._device))
         await self.channels.build()
         await self._programs.build()
