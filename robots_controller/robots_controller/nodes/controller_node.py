@@ -145,7 +145,9 @@ class ControllerNode(ManagedNode):
         self._commanders = CommanderServices(
             self, self._control, self._change_caps, intake.lose_commander, watched=watchdog > 0.0
         )
-        self._listen_to_speed()
+        subscribe(self, Float64, 'override', self._on_override)
+        subscribe(self, Float64, 'speed_scaling', self._on_scaling)
+        subscribe(self, DiagnosticStatus, 'motion_settings', self._on_settings)
         self.on_change('tool_speed_limit', lambda _: self._change_caps())
         changed = {
             'lua_program_node': self._commanders.program_changed,
@@ -182,11 +184,6 @@ class ControllerNode(ManagedNode):
         interrupted = self.parameter('interrupted', '', text) or earlier_start(self)
         if interrupted:
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
-
-    def _listen_to_speed(self) -> None:
-        subscribe(self, Float64, 'override', self._on_override)
-        subscribe(self, Float64, 'speed_scaling', self._on_scaling)
-        subscribe(self, DiagnosticStatus, 'motion_settings', self._on_settings)
 
     def _offer_stops(self) -> None:
         self._stopped_by = ''  # the reason that was logged
