@@ -18,14 +18,7 @@ HoldReason = Literal['', 'entry', 'breakpoint', 'step', 'pause', 'release']
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of a held program.
-
-    Attributes:
-        name: Its name, or key.
-        value: As a person reads it.
-        type: Lua's type.
-        entries: Those of a table, as far as they were requested.
-    """
+    """A variable of a held program or an entry of a table: its value as a person reads it, Lua's type."""
 
     name: str
     value: str
@@ -40,7 +33,6 @@ class Frame:
     Attributes:
         name: What runs there: 'in the program', "in function 'seam'".
         chunk: The program or subprogram.
-        line: Its line.
         scopes: Variables by scope: Locals, Upvalues.
     """
 

@@ -65,12 +65,7 @@ LuaScalar = None | bool | int | float | bytes
 
 @dataclass(frozen=True)
 class LuaTable:
-    """A table that came as argument.
-
-    Attributes:
-        values: Entries 1, 2, ...
-        fields: Entries with names.
-    """
+    """A table that came as argument: its entries 1, 2, ..., and those with names."""
 
     values: tuple[LuaArgument, ...]
     fields: dict[str, LuaArgument]
@@ -138,7 +133,6 @@ class LuaSandbox:
     """A Lua interpreter for one run of one program. Create, use and drop it in one thread.
 
     Args:
-        source: The program.
         functions: Names of the robot functions.
         host: Serves their calls.
         spell: Instructions between two calls of `computed`.

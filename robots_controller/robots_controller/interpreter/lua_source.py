@@ -30,8 +30,6 @@ class LuaSource:
     """A program's text.
 
     Attributes:
-        path: Where it was read.
-        text: Its characters.
         label: Name of a subprogram as it is called; '' for the file's.
         written: When the file was written, ns since 1970; 0 where that is not known.
     """

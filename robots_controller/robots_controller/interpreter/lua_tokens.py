@@ -25,7 +25,6 @@ class Token:
     """One piece of a Lua text.
 
     Attributes:
-        kind: What it is.
         text: Its characters; of a string those between the quotes.
         line: Counted from 1.
         start: Where it begins in the text.

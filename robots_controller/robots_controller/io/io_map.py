@@ -37,19 +37,13 @@ class IoRow:
     """One channel and its place at a partner: a field of a topic, a register, a variable.
 
     Attributes:
-        channel: The robot's channel.
-        place: Its place.
         bit: Bit of a whole number, counted from 0; None for the whole field.
         scale: Of an analog channel: to = scale * from + offset, in the direction the value travels.
-        offset: As above.
-        invert: Of a digital channel.
         debounce: How long a digital input must have its value before it counts, s.
         timeout: After how long without a message (of an output: without an image of the outputs) the
             fail-safe value takes over, s; infinite for never.
         fail_safe: The input's value then; those of outputs are in `IoMap.fail_safe`.
         period: How often an output is repeated without a change, s; infinite for never.
-        file: Where the row stands.
-        line: Its line.
     """
 
     channel: Channel

@@ -26,7 +26,6 @@ class Comparison:
     """Something that is true or false of a channel's value.
 
     Attributes:
-        channel: The channel.
         relation: 'above' or 'below' the bound, 'is' on or off, or 'changes' for any event of a digital one.
         bound: Number to compare with; 1 or 0 for 'is'.
     """
@@ -61,7 +60,6 @@ class PlcRule:
         after: Time from the trigger to the setting, s.
         settings: Inputs and their new values.
         duration: After which the inputs get back the values that they had, s; infinite for never.
-        line: The rule's line.
     """
 
     event: Comparison | None

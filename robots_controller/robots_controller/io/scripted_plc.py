@@ -18,13 +18,7 @@ SHOWN: Final = 60  # characters of a text that is refused
 
 @dataclass(frozen=True)
 class InputChange:
-    """An input that the PLC set.
-
-    Attributes:
-        time: When, s.
-        channel: The input.
-        value: Its new value.
-    """
+    """An input that the PLC set to another value, and when, s."""
 
     time: float
     channel: Channel

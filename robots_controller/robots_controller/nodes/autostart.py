@@ -28,7 +28,6 @@ class Autostart:
     move then.
 
     Args:
-        node: The program's node.
         readiness: Makes what is watched, if it is wanted, of the names of the expected nodes.
         start: Opens and runs the program.
 

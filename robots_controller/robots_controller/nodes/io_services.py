@@ -47,8 +47,6 @@ class IoServices:
     channel's name with `.force` behind it stands for its forced value; set to no value it releases the input.
 
     Args:
-        node: Owner of the topics and services.
-        image: The image.
         on_inputs: Inputs came on a topic: the error, or None.
         channel_services: Serve each digital channel too, as `~/digital_input_1/set`; the executor waits for
             every service at each wake-up.

@@ -21,7 +21,6 @@ class ServerUser:
     """A user.
 
     Attributes:
-        name: Of the user.
         operate: May call methods and write outputs; otherwise it may read.
         password_file: Text file with the password in its first line; '' for a user with a certificate.
         certificate: File of the certificate that identifies the user; '' for a user with a password.
@@ -49,12 +48,10 @@ class ServerSettings:
 
     Attributes:
         anonymous: Clients without a user may read.
-        users: Users by name.
         certificate: File of the server's certificate; '' for a server without encryption.
         key: File of its private key.
         security: Policies that encrypt, of `SECURITY`.
         trusted: Files of the certificates of clients; others are refused. Empty: all are taken.
-        nameplate: What the server says of the robot.
     """
 
     anonymous: bool = True

@@ -37,7 +37,6 @@ class Motions(Family):
     """Commands motions, waits for them, and holds them for handlers of inputs.
 
     Args:
-        run: The run.
         motion_ended: A motion that the program waited for has ended well.
     """
 

@@ -69,11 +69,9 @@ class IoBridge:
     """Values between the robot's channels and the ports of a map; the time is handed in.
 
     Args:
-        io_map: The rows.
         ports: The partners of all rows, by `Place.port`.
         fail_safe: Values of outputs for which no running program answers.
         log: Logs a warning.
-        now: s.
     """
 
     def __init__(

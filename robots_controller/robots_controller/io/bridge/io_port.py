@@ -52,7 +52,6 @@ class Arrival:
     """A value that has arrived from a place, or a problem there.
 
     Attributes:
-        place: The place.
         value: The value as it came; None where there is a problem instead.
         problem: Why there is no value, '' for none.
         stamp: When the source measured the value, s since 1970; NaN where it is not stated.

@@ -94,8 +94,6 @@ class TopicField(Place):
 
     Attributes:
         type: The topic's type, as package/msg/Name.
-        path: The field.
-        qos: Of the topic.
     """
 
     type: str

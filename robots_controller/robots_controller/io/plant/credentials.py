@@ -22,7 +22,6 @@ class Credentials:
     """Who we are, and how the other is known; '' for what is not needed.
 
     Attributes:
-        user: Name of the user.
         password_file: Text file with the password in its first line.
         certificate: File of our own certificate.
         key: File of its private key.

@@ -63,8 +63,6 @@ class ModbusServer:
 
     Attributes:
         port: As of its places.
-        host: Its address.
-        tcp_port: Its port.
         unit: Unit of places that name none.
         period: How often it is read, where a row does not say, s.
         response_timeout: For connecting and for each answer, s.
@@ -122,7 +120,6 @@ class ModbusPlace(PlantPlace):
     """A coil or discrete input, which is 'boolean', or one or several registers, of a kind in `WORDS`.
 
     Attributes:
-        unit: Unit of the server.
         table: One of `TABLES`.
         address: Counted from 0, as in the protocol.
         little: The register with the lowest bits comes first, where there are several.

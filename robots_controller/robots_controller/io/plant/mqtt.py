@@ -90,11 +90,8 @@ class MqttServer:
 
     Attributes:
         port: As of its places.
-        host: Its address.
-        tcp_port: Its port.
         tls: The connection is encrypted.
         client_id: Identifies the client at the broker; '' for a random one.
-        credentials: User and certificates.
         keepalive: How often the broker is asked for a sign of life, s.
         response_timeout: For connecting and for confirmations, s.
     """
@@ -158,8 +155,6 @@ class MqttPlace(PlantPlace):
     """A value in the JSON messages of a topic.
 
     Attributes:
-        topic: The topic.
-        pointer: The value in its messages.
         qos: Of subscriptions and of messages, 0 to 2.
         retain: The broker keeps the newest message for later subscribers.
     """

@@ -67,7 +67,6 @@ class OpcuaServer:
         endpoint: As opc.tcp://host:port/path.
         security: Policy, one of `POLICIES`.
         mode: One of `MODES`, where there is a policy.
-        credentials: User and certificates.
         period: How often the server samples its variables and reports changes, s.
         response_timeout: For connecting and for each answer, s.
     """

@@ -26,7 +26,6 @@ class BagPlayer(TimedNode):
     Args:
         plan: What to publish when.
         wait: Longest wait for subscribers, s of the wall clock.
-        options: Passed on to `TimedNode`.
 
     Raises:
         RobotsError: a message type that is not installed.

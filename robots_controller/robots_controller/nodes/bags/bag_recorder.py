@@ -45,7 +45,6 @@ class BagRecorder(Node):
         namespace: Records the topics below it, and the global ones (`/diagnostics`, `/rosout`), but not
             what keeps a run in lock-step, and no heartbeats.
         lockstep: Times are those of a lock-step run, not of the system's clock.
-        options: Passed on to `rclpy.node.Node`.
     """
 
     def __init__(self, path: Path, *, namespace: str, lockstep: bool = False, **options: Any) -> None:

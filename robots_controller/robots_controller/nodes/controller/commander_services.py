@@ -45,8 +45,6 @@ class CommanderServices:
     A pendant that gives no sign of life any more loses the robot, which stops on its path.
 
     Args:
-        node: The controller's node.
-        control: Its loop.
         on_mode: Called when the mode has changed.
         on_lost: Called with the reason when the commander of the robot is lost.
         watched: Nodes are watched at all.

@@ -29,8 +29,6 @@ class WatchedNodes:
     """Stops the robot when a node is lost or by an input, and lets no motion start before both are there.
 
     Args:
-        node: The controller's.
-        control: Its loop.
         watchdog: Without a sign of life for this long a node is lost, s; 0: none is watched.
         zones: Inputs that close zones.
         changed: Called with the reason when the node with this name is lost, and with '' when it is back.

@@ -21,7 +21,6 @@ class ImagePublisher:
     """Publishes an image at every change.
 
     Args:
-        node: Owner of the publisher.
         image: One of `IMAGES`.
         topic: The topic; that of the image by default.
         labelled: The messages name the channels.
@@ -52,7 +51,6 @@ class InputImages:
     """Publishes `digital_inputs` and `analog_inputs` at every change, up to the last channel that is used.
 
     Args:
-        node: Owner of the publishers.
         channels: The inputs that will be set; a kind that has none is not published.
     """
 
@@ -80,7 +78,6 @@ class OutputImages:
     """Subscribes to `digital_outputs` and `analog_outputs`.
 
     Args:
-        node: Owner of the subscriptions.
         channels: The outputs that matter.
         on_change: An image came.
     """

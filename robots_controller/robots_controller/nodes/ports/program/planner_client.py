@@ -28,8 +28,6 @@ class PlannerClient:
     any program.
 
     Args:
-        node: The node to publish and to call from.
-        joint_names: The robot's joints.
         held_up: The others have missed this process, and it has not failed its program yet: nothing is
             commanded.
     """

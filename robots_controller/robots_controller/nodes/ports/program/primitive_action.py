@@ -32,9 +32,7 @@ class PrimitiveAction:
     """See `PrimitiveDriver`: one goal at a time, in the executor's thread.
 
     Args:
-        node: Owner.
         driver: Its `primitives`, `joint_states` and `running`.
-        feedback: What the robot measures.
         held_up: As for `PlannerClient`.
 
     Raises:

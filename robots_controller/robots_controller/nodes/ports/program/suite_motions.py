@@ -54,13 +54,7 @@ class SuiteMotions:
 
 
 class SuiteReadiness:
-    """See `MotionReadiness`, and `Readiness` of `Autostart`.
-
-    Args:
-        node: The program's node.
-        motions: Of the program.
-        expected: See `MotionReadiness`.
-    """
+    """See `MotionReadiness`, and `Readiness` of `Autostart`."""
 
     def __init__(self, node: RobotNode, motions: SuiteMotions, expected: Sequence[str]) -> None:
         self._node, self._motions, self._readiness = node, motions, MotionReadiness(expected)
