@@ -5,7 +5,7 @@ import sys
 from typing import Final
 
 from robots_controller.io.io_map import IoRow
-from robots_controller.io.number_kinds import INTEGERS
+from robots_controller.io.number_kinds import INTEGERS, bits_of
 from robots_core.errors import InvalidInputError
 
 SHOWN: Final = 60
@@ -160,6 +160,5 @@ def _typed(value: float, kind: str) -> bool | int | float:
 
 
 def _signed(word: int, kind: str) -> int:
-    low, high = INTEGERS[kind]
-    word &= (1 << (high - low).bit_length()) - 1
-    return word if word <= high else word - (high - low + 1)
+    word &= (1 << bits_of(kind)) - 1
+    return word if word <= INTEGERS[kind][1] else word - (1 << bits_of(kind))

@@ -32,8 +32,6 @@ def read_kind(item: YamlSection, channel: Channel) -> str:
 
 
 def bits_of(kind: str) -> int:
-    """Number of bits of a whole number; 0 of other kinds."""
-    if kind not in INTEGERS:
-        return 0
+    """Number of bits of a whole number."""
     low, high = INTEGERS[kind]
     return (high - low).bit_length()

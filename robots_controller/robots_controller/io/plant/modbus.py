@@ -12,7 +12,7 @@ from typing import Any, Final, Self
 
 from robots_controller.io.bridge.io_port import Arrival, Number, Place, PlantPlace
 from robots_controller.io.io_image import Channel
-from robots_controller.io.number_kinds import INTEGERS, KINDS
+from robots_controller.io.number_kinds import INTEGERS, KINDS, bits_of
 from robots_controller.io.plant.plant_link import LinkError, library
 from robots_core.files.yaml_section import YamlSection
 
@@ -20,11 +20,7 @@ TABLES: Final = ('coil', 'discrete_input', 'holding_register', 'input_register')
 WRITABLE: Final = ('coil', 'holding_register')
 LAST_ADDRESS: Final = 65535
 WORDS: Final = {
-    **{
-        kind: max(1, (high - low).bit_length() // 16)
-        for kind, (low, high) in INTEGERS.items()
-        if '8' not in kind
-    },
+    **{kind: bits_of(kind) // 16 for kind in INTEGERS if '8' not in kind},
     'float': 2,
     'double': 4,
 }
