@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import Final
 
 from robots_controller.io.io_image import IMAGES, Channel, IoImage
@@ -61,12 +62,10 @@ def read_signals(section: YamlSection) -> dict[str, Channel]:
     signals: dict[str, Channel] = {}
     named: dict[str, str] = {}
     for below, label in section.entries('signals'):
-        try:
-            channel = parse_channel(below.text(label), {})
-            labelled = Channel.of(channel.image, channel.index, label)
-            IoImage(digital=channel.index, analog=channel.index, labels=channel_labels([labelled]))
-        except InvalidInputError as error:
-            raise below.error(error.message, label) from None
+        channel = below.checked(partial(parse_channel, below.text(label), {}), label)
+        labelled = Channel.of(channel.image, channel.index, label)
+        size, labels = channel.index, channel_labels([labelled])
+        below.checked(partial(IoImage, digital=size, analog=size, labels=labels), label)
         if channel.name in named:
             raise below.error(f'{channel.name} has the name {named[channel.name]!r} already', label)
         named[channel.name] = label
