@@ -29,13 +29,10 @@ class GuidePlayerNode(RobotNode):
         path = self.parameter('references', '', 'bag of what guides or jogs the robot')
         cabin = self.parameter('cabin', '', 'cabin (YAML): what moves it is played, joy and vehicle_imu')
         if path:
-            self._open(self._read(path, cabin=bool(cabin)))
+            names, base = self.robot.axes_data.names, self.robot.base_link
+            self._open(read_guide_recording(path, names, base_link=base, cabin=bool(cabin)))
         else:
             self.ready('ready; parameter references is empty, nothing is played')
-
-    def _read(self, path: str, *, cabin: bool) -> GuideRecording:
-        robot = self.robot
-        return read_guide_recording(path, robot.axes_data.names, base_link=robot.base_link, cabin=cabin)
 
     def _open(self, recording: GuideRecording) -> None:
         self._replay = GuideReplay(recording)

@@ -62,8 +62,7 @@ class PendantLink(ProgramLink):
         self._joints = make_publisher(node, JointState, 'teach_joints')
         self._holds = make_publisher(node, Bool, 'hold_to_run')
         self._overrides = make_publisher(node, Float64, 'override')
-        self._services.prepare(STOPS)
-        self._services.prepare([CANCEL])
+        self._services.prepare((*STOPS, CANCEL))
         self._services.prepare([TAKE], SetBool)
         move = PendantMove(self, node.now)
         self.begin_move, self.end_move = move.begin, move.end

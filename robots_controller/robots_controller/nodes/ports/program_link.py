@@ -20,10 +20,7 @@ class ProgramLink:
     def __init__(self, node: RobotNode, patience: float) -> None:
         self._services = CellServices(node, patience)
         self._io = IoClient(self._services)
-
-    def call(self, service: str) -> str:
-        """See `ProgramPort`."""
-        return self._services.trigger(service)
+        self.call = self._services.trigger
 
     def open_program(self, path: str) -> None:
         """See `ProgramPort`."""
