@@ -15,7 +15,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from bench import Bench
 from late_drives import LATE_DRIVES
-from robots_controller.nodes.controller.watched_nodes import ForeignWriterWatch
+from robots_controller.nodes.controller import watched_nodes
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
@@ -170,10 +170,11 @@ def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_
     cell.wait(lambda: cell.call('controller_node/reset').success, 'a reset when the stranger is gone')
 
 
-def test_a_stranger_that_cannot_be_told_apart_stops_the_robot(ros_nodes: Any) -> None:
+def test_a_stranger_that_cannot_be_told_apart_stops_the_robot(
+    ros_nodes: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watched_nodes, 'publishers_are_identified', lambda: False)
     cell = Cell(ros_nodes)
-    controller = cell.controller
-    controller._foreign = ForeignWriterWatch(controller, controller._control, identified=False)
     publisher = cell.stranger.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
     cell.until_health(DiagnosticStatus.ERROR, '/stranger publishes joint_trajectory')
     assert '/stranger' in cell.call('controller_node/reset').message

@@ -109,9 +109,9 @@ class WatchedNodes:
 class ForeignWriterWatch:
     """Looks for `ForeignWriters`."""
 
-    def __init__(self, node: RobotNode, control: ControlLoop, *, identified: bool | None = None) -> None:
+    def __init__(self, node: RobotNode, control: ControlLoop) -> None:
         self._node = node
-        identified = publishers_are_identified() if identified is None else identified
+        identified = publishers_are_identified()
         self._writers = ForeignWriters(control, node.get_namespace(), identified=identified)
         self._suspected = node.create_guard_condition(self._check)
 
