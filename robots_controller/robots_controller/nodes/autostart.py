@@ -1,7 +1,7 @@
 """Autostart: starts the program when everything that its motions need is there, however long that takes."""
 
 from collections.abc import Callable, Sequence
-from typing import Final, Protocol
+from typing import Final
 
 from robots_controller.runtime_folder import first_time
 from robots_core.errors import RobotsError
@@ -11,14 +11,8 @@ PERIOD: Final = 0.1  # s
 REPORT_PERIOD: Final = 5.0  # s
 
 
-class Readiness(Protocol):
-    """What is watched until the robot can move."""
-
-    def missing(self) -> list[str]:
-        """What motions need and is not there, for people."""
-
-    def close(self) -> None:
-        """It is not watched any longer."""
+Missing = Callable[[], list[str]]
+"""Gives what motions need and is not there, for people; not called any more when nothing is missing."""
 
 
 class Autostart:
@@ -28,7 +22,7 @@ class Autostart:
     move then.
 
     Args:
-        readiness: Makes what is watched, if it is wanted, of the names of the expected nodes.
+        watch_readiness: Called if autostart is wanted, with the names of the expected nodes.
         start: Opens and runs the program.
 
     Parameters:
@@ -38,7 +32,7 @@ class Autostart:
     """
 
     def __init__(
-        self, node: RobotNode, readiness: Callable[[Sequence[str]], Readiness], start: Callable[[], None]
+        self, node: RobotNode, watch_readiness: Callable[[Sequence[str]], Missing], start: Callable[[], None]
     ) -> None:
         self._node, self._start = node, start
         self._said, self._said_at = '', 0.0
@@ -60,16 +54,15 @@ class Autostart:
                 'the program'
             )
             return
-        self._readiness = readiness([name for name in expected if name])
+        self._missing = watch_readiness([name for name in expected if name])
         self._timer = node.create_timer(PERIOD, self._check)
 
     def _check(self) -> None:
-        if missing := self._readiness.missing():
+        if missing := self._missing():
             text, now = f'autostart waits for {" and ".join(missing)}', self._node.now()
             if text != self._said or now - self._said_at >= REPORT_PERIOD:
                 self._said, self._said_at = text, now
                 self._node.journal.warning(text)
             return
         self._node.destroy_timer(self._timer)
-        self._readiness.close()
         self._start()

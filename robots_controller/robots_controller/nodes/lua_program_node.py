@@ -162,7 +162,7 @@ class LuaProgramNode(RobotNode):
         self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = self._serve_editors(port, token) if port else None
-        Autostart(self, motions.readiness, self._start)
+        Autostart(self, motions.watch_readiness, self._start)
         self.ready()
 
     def _driven(self, driver: Driver) -> PrimitiveAction:

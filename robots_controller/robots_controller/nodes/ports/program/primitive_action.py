@@ -14,6 +14,7 @@ from std_msgs.msg import Bool
 from robots_controller.cell.goal_watch import GoalWatch
 from robots_controller.cell.primitive_motions import PrimitiveControl, PrimitiveMotions
 from robots_controller.cell.program_host import ProgramHost
+from robots_controller.nodes.autostart import Missing
 from robots_controller.nodes.ports.program.feedback_client import FeedbackClient
 from robots_core.cell_interface.driver_file import Driver, PrimitiveSettings
 from robots_core.errors import InvalidInputError, RobotsError
@@ -73,12 +74,11 @@ class PrimitiveAction:
                 lambda message: host.stop_changed('' if message.data else STOPPED),
             )
 
-    def readiness(self, _expected: Sequence[str]) -> PrimitiveAction:
+    def watch_readiness(self, _expected: Sequence[str]) -> Missing:
         """See `SuiteMotions`."""
-        return self
+        return self._missing
 
-    def missing(self) -> list[str]:
-        """What motions need and is not there, for people."""
+    def _missing(self) -> list[str]:
         found = [] if self.served else [self.name]
         return found if self._measured() is not None else [*found, 'joint_states of the driver']
 
@@ -170,9 +170,6 @@ class PrimitiveAction:
         if handle is not None:
             handle.cancel_goal_async()
         self.planner.ended(reason)
-
-    def close(self) -> None:
-        """Nothing was opened to be asked what is missing."""
 
 
 def _primitives(node: RobotNode, driver: Driver) -> PrimitiveSettings:

@@ -9,6 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell.motion_readiness import MotionReadiness
 from robots_controller.cell.program_host import WATCHED_NODES, ProgramHost
+from robots_controller.nodes.autostart import Missing
 from robots_controller.nodes.ports.program.controller_client import ControllerClient
 from robots_controller.nodes.ports.program.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.ports.program.planner_client import PlannerClient
@@ -42,43 +43,36 @@ class SuiteMotions:
         self.controller.report_to(host, changed)
         self.watch = HeartbeatWatch(node, WATCHED_NODES, watchdog, host.node_changed)
 
-    def readiness(self, expected: Sequence[str]) -> SuiteReadiness:
-        """What autostart waits for, with the nodes that are expected besides."""
-        return SuiteReadiness(self._node, self, expected)
+    def watch_readiness(self, expected: Sequence[str]) -> Missing:
+        """Watch what autostart waits for, see `MotionReadiness`, until nothing is missing."""
+        node, readiness = self._node, MotionReadiness(expected)
+        prefix = node.get_namespace().rstrip('/') + '/'
+
+        def on_reference(_: JointTrajectory) -> None:
+            readiness.reference = True
+
+        def on_health(message: DiagnosticArray) -> None:
+            for status in message.status:
+                trouble = '' if status.level == DiagnosticStatus.OK else status.message
+                readiness.report(status.name.removeprefix(prefix), trouble)
+
+        subscriptions = (
+            subscribe(node, JointTrajectory, 'joint_reference', on_reference),
+            subscribe(node, DiagnosticArray, '/diagnostics', on_health),
+        )
+
+        def missing() -> list[str]:
+            planner = self.planner
+            plans = planner.listens() and planner.configurable and bool(planner.followers())
+            found = readiness.missing(planner=plans, controller=self.controller.works)
+            for subscription in () if found else subscriptions:
+                node.destroy_subscription(subscription)
+            return found
+
+        return missing
 
     def check_guide(self, guide: Guide) -> None:
         """Whatever guides the robot, planner and controller can follow."""
 
     def end(self) -> None:
         """Motions end with the program."""
-
-
-class SuiteReadiness:
-    """See `MotionReadiness`, and `Readiness` of `Autostart`."""
-
-    def __init__(self, node: RobotNode, motions: SuiteMotions, expected: Sequence[str]) -> None:
-        self._node, self._motions, self._readiness = node, motions, MotionReadiness(expected)
-        self._subscriptions = [
-            subscribe(node, JointTrajectory, 'joint_reference', self._on_reference),
-            subscribe(node, DiagnosticArray, '/diagnostics', self._on_health),
-        ]
-
-    def _on_reference(self, _: JointTrajectory) -> None:
-        self._readiness.reference = True
-
-    def _on_health(self, message: DiagnosticArray) -> None:
-        prefix = self._node.get_namespace().rstrip('/') + '/'
-        for status in message.status:
-            trouble = '' if status.level == DiagnosticStatus.OK else status.message
-            self._readiness.report(status.name.removeprefix(prefix), trouble)
-
-    def missing(self) -> list[str]:
-        """What motions need and is not there, for people."""
-        planner = self._motions.planner
-        plans = planner.listens() and planner.configurable and bool(planner.followers())
-        return self._readiness.missing(planner=plans, controller=self._motions.controller.works)
-
-    def close(self) -> None:
-        """Listen no longer."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
