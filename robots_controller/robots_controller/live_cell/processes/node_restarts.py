@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 from rclpy.node import Node
@@ -90,26 +89,21 @@ class OrphanedOutputs:
         return fail_safe_texts({name: value for name, value in self._values.items() if value != 0.0})
 
 
-@dataclass
-class _Deaths:
-    row: int = 0
-    started: float = 0.0
-
-
 class RestartPolicy:
     """Each death in a row doubles the delay of the next start, until there are too many."""
 
     def __init__(self) -> None:
-        self._deaths: dict[str, _Deaths] = {}
+        self._deaths: dict[str, int] = {}  # in a row
+        self._started: dict[str, float] = {}  # s
         self._due: dict[str, float] = {}
 
     def died(self, node: str, now: float) -> float | None:
         """A node has died: the delay until it is started again, s; None to give it up."""
-        deaths = self._deaths.setdefault(node, _Deaths())
-        deaths.row = 1 if now - deaths.started >= STEADY else deaths.row + 1
-        if deaths.row >= MOST_DEATHS:
+        steady = now - self._started.get(node, 0.0) >= STEADY
+        deaths = self._deaths[node] = 1 if steady else self._deaths.get(node, 0) + 1
+        if deaths >= MOST_DEATHS:
             return None
-        delay = min(FIRST_DELAY * 2.0 ** (deaths.row - 1), LONGEST_DELAY)
+        delay = min(FIRST_DELAY * 2.0 ** (deaths - 1), LONGEST_DELAY)
         self._due[node] = now + delay
         return delay
 
@@ -118,7 +112,7 @@ class RestartPolicy:
         found = [node for node, time in self._due.items() if time <= now]
         for node in found:
             del self._due[node]
-            self._deaths[node].started = now
+            self._started[node] = now
         return found
 
 
