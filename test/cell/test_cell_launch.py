@@ -129,7 +129,7 @@ def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
         'composed_nodes',
     }
     (shared,) = (process for process in processes if process.executable == 'composed_nodes')
-    nodes = {node.name: node for node in nodes_of_cell(robot='cello_bot', composed=True)}
+    nodes = {node.executable: node for node in nodes_of_cell(robot='cello_bot', composed=True)}
     assert shared.package == 'robots_controller'
     assert set(shared.arguments) == nodes.keys() - {'drive_node', 'controller_node'}
     assert not hasattr(shared, 'name')  # it would be that of each node
@@ -155,7 +155,7 @@ def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> Non
 def test_a_cell_may_have_no_view(launch_file: dict[str, Any]) -> None:
     nodes = launched(launch_file, robot='cello_bot', headless='true')
     assert {node.executable for node in nodes} == {
-        node.name for node in nodes_of_cell(robot='cello_bot') if node.name != 'visualizer_node'
+        node.executable for node in nodes_of_cell(robot='cello_bot') if node.executable != 'visualizer_node'
     }
 
 

@@ -120,7 +120,7 @@ def test_the_operators_page_is_served_to_others_with_a_password_alone(tmp_path: 
         parse_options(['--host', '0.0.0.0'])  # noqa: S104
     options = parse_options(['--view', '--host', '0.0.0.0', '--password-file', str(password_file)])  # noqa: S104
     graph = nodes_of_cell(robot='ur5e', pendant=True, host=options.host, password_file=options.password_file)
-    parameters = next(node.parameters for node in graph if node.name == 'pendant_node')
+    parameters = next(node.parameters for node in graph if node.executable == 'pendant_node')
     assert (parameters['host'], parameters['password_file']) == ('0.0.0.0', str(password_file))  # noqa: S104
     with pytest.raises(RobotsError, match='this needs a password'):
         nodes_of_cell(robot='ur5e', pendant=True, host=options.host)

@@ -77,7 +77,7 @@ def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
     table = page[page.index('## Topics') : page.index('## Services')]
     rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
     listed = {name for row in rows for name in re.findall(r'`([^`]+)`', row[0])}
-    running = {node.name for node in nodes_of_cell(robot=ROBOT)}
+    running = {node.executable for node in nodes_of_cell(robot=ROBOT)}
     from_nodes = {
         name
         for row in rows

@@ -18,9 +18,9 @@ def test_processes_that_have_ended_hold_no_file_descriptors(tmp_path: Path) -> N
     def run_and_count() -> int:
         processes = NodeProcesses([node], namespace='/', log_folder=tmp_path)
         processes.start()
-        processes.kill(node.name)
+        processes.kill(node.executable)
         processes.stop()
-        assert not processes.runs(node.name)
+        assert not processes.runs(node.executable)
         (ended,) = processes.take_dead()
         assert ended.reason == 'killed by SIGKILL'
         del processes, ended

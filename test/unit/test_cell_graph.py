@@ -16,23 +16,25 @@ TAGS = str(ROOT / 'robots_controller' / 'config' / 'io_map_tags.yaml')
 
 
 def test_a_plc_and_a_bridge_are_there_when_their_files_are_given(tmp_path: Path):
-    names = {node.name for node in nodes_of_cell(robot='bello_bot')}
+    names = {node.executable for node in nodes_of_cell(robot='bello_bot')}
     assert not names & {'plc_node', 'io_bridge_node'}
-    with_plc = {node.name: node for node in nodes_of_cell(robot='bello_bot', io=PRESS)}
+    with_plc = {node.executable: node for node in nodes_of_cell(robot='bello_bot', io=PRESS)}
     assert set(with_plc) == names | {'plc_node'}
     assert with_plc['plc_node'].parameters['script'] == PRESS
-    with_bridge = {node.name: node for node in nodes_of_cell(robot='bello_bot', io_map=TAGS)}
+    with_bridge = {node.executable: node for node in nodes_of_cell(robot='bello_bot', io_map=TAGS)}
     assert set(with_bridge) == names | {'io_bridge_node'}
     assert with_bridge['io_bridge_node'].parameters['io_map'] == TAGS
     outputs = tmp_path / 'outputs.yaml'
     outputs.write_text('outputs:\n  - {channel: digital_output.1, topic: a, type: Bool}\n')
-    assert {node.name for node in nodes_of_cell(robot='bello_bot', io=PRESS, io_map=str(outputs))} == (
+    assert {node.executable for node in nodes_of_cell(robot='bello_bot', io=PRESS, io_map=str(outputs))} == (
         names | {'plc_node', 'io_bridge_node'}
     )
 
 
 def test_the_names_of_the_files_are_those_of_the_robot_program():
-    (lua,) = (node for node in nodes_of_cell(robot='bello_bot', io=PRESS) if node.name == 'lua_program_node')
+    (lua,) = (
+        node for node in nodes_of_cell(robot='bello_bot', io=PRESS) if node.executable == 'lua_program_node'
+    )
     assert lua.parameters['digital_input_names'] == [
         *('press_ready', 'press_closed', 'part_present', 'part_pressed')
     ]
@@ -43,7 +45,9 @@ def test_the_names_of_the_files_are_those_of_the_robot_program():
 
 def test_the_program_gets_the_file_of_tools_and_bases():
     (lua,) = (
-        node for node in nodes_of_cell(robot='bello_bot', frames='f.yaml') if node.name == 'lua_program_node'
+        node
+        for node in nodes_of_cell(robot='bello_bot', frames='f.yaml')
+        if node.executable == 'lua_program_node'
     )
     assert lua.parameters['frames_file'] == 'f.yaml'
 
@@ -72,7 +76,9 @@ def test_a_mistake_in_a_file_is_reported_with_its_line(tmp_path: Path):
 
 def test_the_drives_have_the_level_asked_for():
     (drives,) = (
-        node for node in nodes_of_cell(robot='bello_bot', drive='rigid_body') if node.name == 'drive_node'
+        node
+        for node in nodes_of_cell(robot='bello_bot', drive='rigid_body')
+        if node.executable == 'drive_node'
     )
     assert drives.parameters['level'] == 'rigid_body'
 
@@ -80,20 +86,20 @@ def test_the_drives_have_the_level_asked_for():
 def test_the_goal_tolerance_is_the_controllers_own_unless_given():
     for given in ({}, {'goal_tolerance': 0.002}):
         nodes = nodes_of_cell(robot='bello_bot', **given)
-        (controller,) = (node for node in nodes if node.name == 'controller_node')
+        (controller,) = (node for node in nodes if node.executable == 'controller_node')
         assert {'goal_tolerance': controller.parameters.get('goal_tolerance', None)} == (
             given or {'goal_tolerance': None}
         )
 
 
 def test_planner_and_drives_have_the_payload_of_the_cell():
-    nodes = {node.name: node for node in nodes_of_cell(robot='bello_bot', payload=(2.0, 0.0, 0.0, 0.1))}
+    nodes = {node.executable: node for node in nodes_of_cell(robot='bello_bot', payload=(2.0, 0.0, 0.0, 0.1))}
     for name in ('drive_node', 'planning_node'):
         assert nodes[name].parameters['payload'] == [2.0, 0.0, 0.0, 0.1]
 
 
 def test_nodes_that_others_depend_on_are_watched_for_as_long_as_it_is_given():
-    nodes = {node.name: node for node in nodes_of_cell(robot='bello_bot', watchdog=3.0)}
+    nodes = {node.executable: node for node in nodes_of_cell(robot='bello_bot', watchdog=3.0)}
     for name in ('controller_node', 'planning_node', 'lua_program_node'):
         assert nodes[name].parameters['watchdog'] == 3.0
     assert nodes['controller_node'].parameters['feedback_timeout'] == 3.0
@@ -110,7 +116,7 @@ def test_parameters_of_nodes_that_share_a_process_differ_in_name_or_are_equal(tm
     )
     values: dict[str, Any] = {}
     for node in nodes:
-        if node.process != node.name:
+        if node.process != node.executable:
             for name, value in node.parameters.items():
                 assert values.setdefault(name, value) == value, name
     assert len(values) > 10
@@ -118,8 +124,8 @@ def test_parameters_of_nodes_that_share_a_process_differ_in_name_or_are_equal(tm
 
 def test_nodes_that_do_not_keep_time_share_a_process_when_they_are_composed():
     separate = nodes_of_cell(robot='bello_bot')
-    assert [node.process for node in separate] == [node.name for node in separate]
-    composed = {node.name: node.process for node in nodes_of_cell(robot='bello_bot', composed=True)}
+    assert [node.process for node in separate] == [node.executable for node in separate]
+    composed = {node.executable: node.process for node in nodes_of_cell(robot='bello_bot', composed=True)}
     assert {name for name, process in composed.items() if process == name} == {
         'drive_node',
         'controller_node',
@@ -132,7 +138,7 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     nodes = nodes_of_cell(
         robot='ur5e', pendant=True, composed=True, port=8080, program='/cell/programs/pick.lua'
     )
-    (pendant,) = (node for node in nodes if node.name == 'pendant_node')
+    (pendant,) = (node for node in nodes if node.executable == 'pendant_node')
     assert pendant.process == 'pendant_node'
     shared = {
         'robot_model': 'ur5e',
@@ -143,15 +149,15 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     }
     assert pendant.parameters == {**shared, 'port': 8090, 'programs': '/cell/programs'}
     (pendant,) = (
-        node for node in nodes_of_cell(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name
+        node for node in nodes_of_cell(robot='ur5e', pendant=True, port=0) if 'pendant' in node.executable
     )
     assert pendant.parameters == {**shared, 'port': 0}
 
 
 def test_the_opcua_server_has_a_process_of_its_own_and_settings_that_are_valid(tmp_path: Path):
-    assert 'opcua_node' not in [node.name for node in nodes_of_cell(robot='ur5e')]
+    assert 'opcua_node' not in [node.executable for node in nodes_of_cell(robot='ur5e')]
     nodes = nodes_of_cell(robot='ur5e', opcua=4840, composed=True, program='/cell/programs/pick.lua')
-    (server,) = (node for node in nodes if node.name == 'opcua_node')
+    (server,) = (node for node in nodes if node.executable == 'opcua_node')
     assert server.process == 'opcua_node'
     assert server.parameters == {
         'robot_model': 'ur5e',
@@ -180,7 +186,7 @@ def test_the_controller_watches_the_node_that_publishes_the_inputs_of_the_emerge
 ):
     (tmp_path / 'file.yaml').write_text(text)
     file: Any = {option: str(tmp_path / 'file.yaml')}
-    nodes = {node.name: node.parameters for node in nodes_of_cell(robot='bello_bot', **file)}
+    nodes = {node.executable: node.parameters for node in nodes_of_cell(robot='bello_bot', **file)}
     assert source in nodes
     assert nodes['controller_node']['emergency_stop_inputs'] == ['digital_input.2=off']
     assert nodes['controller_node']['emergency_stop_source'] == source
@@ -194,7 +200,7 @@ def test_a_cell_with_a_scene_expects_its_collision_guard_and_one_without_expects
         for lockstep in (False, True):
             nodes = nodes_of_cell(robot='bello_bot', lockstep=lockstep, **options)
             for name in ('controller_node', 'lua_program_node'):
-                (parameters,) = (node.parameters for node in nodes if node.name == name)
+                (parameters,) = (node.parameters for node in nodes if node.executable == name)
                 assert parameters.get('expected_nodes') == (None if lockstep else expected)
 
 
@@ -209,7 +215,7 @@ def test_a_driver_of_primitives_excludes_an_emergency_stop_by_inputs(tmp_path: P
 def test_a_driver_of_primitives_has_no_planner_and_no_controller_of_the_suite(tmp_path: Path):
     (tmp_path / 'driver.yaml').write_text('primitives: {name: /driver/motion_sequence}\n')
     driver = str(tmp_path / 'driver.yaml')
-    nodes = {node.name: node.parameters for node in nodes_of_cell(robot='ur5e', driver=driver)}
+    nodes = {node.executable: node.parameters for node in nodes_of_cell(robot='ur5e', driver=driver)}
     assert nodes['lua_program_node']['driver'] == driver
     assert nodes.keys() >= {'robot_state_node', 'direct_kinematics_node'}
     assert not nodes.keys() & {'drive_node', 'hardware_node', 'controller_node', 'planning_node'}

@@ -95,7 +95,9 @@ def test_an_output_has_one_fail_safe_value(tmp_path: Path):
     io_map.write_text(rows)
     script.write_text('fail_safe: {digital_output.2: hold}\n')
     assert read_cell_io(script, io_map).fail_safe == {'digital_output.1': None, 'digital_output.2': None}
-    nodes = {node.name: node for node in nodes_of_cell(robot='bello_bot', io=str(script), io_map=str(io_map))}
+    nodes = {
+        node.executable: node for node in nodes_of_cell(robot='bello_bot', io=str(script), io_map=str(io_map))
+    }
     for name in ('lua_program_node', 'io_bridge_node'):
         assert nodes[name].parameters['fail_safe'] == ['digital_output.2=hold', 'digital_output.1=hold']
     script.write_text('fail_safe: {digital_output.1: on}\n')

@@ -56,11 +56,6 @@ class NodeDescription:
     def __post_init__(self) -> None:
         object.__setattr__(self, 'process', self.process or self.executable)
 
-    @property
-    def name(self) -> str:
-        """The node's name."""
-        return self.executable
-
     def executable_path(self) -> Path:
         """The executable as `ros2 run` finds it: prefix/lib/package/executable by the ament index.
 

@@ -75,7 +75,7 @@ def _run(
                 console.print(occupied(found, options.namespace))
                 return ExitCode.FAILED
             if options.lockstep:
-                listener.coordinate(node.name for node in graph if 'lockstep' in node.parameters)
+                listener.coordinate(node.executable for node in graph if 'lockstep' in node.parameters)
             processes.start()
             code = cell.run()
             cell.bring_to_rest()

@@ -63,7 +63,7 @@ class Surroundings(ABC):
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of all nodes."""
-        return tuple(node.name for node in self.graph)
+        return tuple(node.executable for node in self.graph)
 
     @abstractmethod
     def start(self) -> None:
@@ -159,7 +159,7 @@ class Launched(Surroundings):
         """Start all nodes."""
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         for node in self.graph:
-            self.bring_back(node.name)
+            self.bring_back(node.executable)
 
     def pid(self, node: str) -> int | None:
         """The process of a node."""
@@ -171,7 +171,7 @@ class Launched(Surroundings):
 
     def bring_back(self, node: str) -> None:
         """Start a node, as a supervisor would."""
-        (description,) = (each for each in self.graph if each.name == node)
+        (description,) = (each for each in self.graph if each.executable == node)
         if node in self._processes:
             self._processes[node].wait(END_TIME)
         with (self._log / f'{node}.log').open('ab') as output:

@@ -41,9 +41,9 @@ class NodeProcess:
 
     def __init__(self, name: str, nodes: Sequence[NodeDescription], *, namespace: str, log: Path) -> None:
         self.name: Final = name
-        self.nodes: Final = tuple(node.name for node in nodes)
+        self.nodes: Final = tuple(node.executable for node in nodes)
         self._log = log
-        parts = {node.name: node_arguments(node, namespace=namespace) for node in nodes}
+        parts = {node.executable: node_arguments(node, namespace=namespace) for node in nodes}
         self._process: ForkServerProcess = fork_server.CONTEXT.Process(
             target=_run, args=(name, parts, log, dict(os.environ)), name=name
         )
@@ -99,7 +99,7 @@ class NodeProcesses:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all nodes."""
-        return tuple(node.name for node in self._graph)
+        return tuple(node.executable for node in self._graph)
 
     def start(self) -> None:
         """Start all nodes.
@@ -115,14 +115,14 @@ class NodeProcesses:
 
     def nodes_of(self, process: str) -> tuple[str, ...]:
         """Names of the nodes in a process."""
-        return tuple(node.name for node in self._graph if node.process == process)
+        return tuple(node.executable for node in self._graph if node.process == process)
 
     def start_process(
         self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
     ) -> None:
         """Start a process, maybe again, with some parameters in the place of its nodes' own."""
         nodes = [
-            replace(node, parameters={**node.parameters, **parameters.get(node.name, {})})
+            replace(node, parameters={**node.parameters, **parameters.get(node.executable, {})})
             for node in self._graph
             if node.process == name
         ]
@@ -130,7 +130,7 @@ class NodeProcesses:
         self._processes[name] = NodeProcess(name, nodes, namespace=self._namespace, log=log)
 
     def _process_of(self, node: str) -> NodeProcess | None:
-        (name,) = (each.process for each in self._graph if each.name == node)
+        (name,) = (each.process for each in self._graph if each.executable == node)
         return self._processes.get(name)
 
     def owns(self, node: str, pid: int) -> bool:
