@@ -114,22 +114,11 @@ class Instances:
 
         `callback` is a coroutine function of the object's node and the arguments, as variants.
         """
-        writer = self.writer
         parent, _, name = path.rpartition('/')
-        attributes = ua.MethodAttributes()
-        attributes.Executable = attributes.UserExecutable = True
-        await writer.add(self.id(path), writer.browse_name(name), self.id(parent), attributes)
         status = argument('Status', ua.VariantType.Int32, '0: done; else why not')
-        for what, arguments in (('InputArguments', inputs), ('OutputArguments', [status])):
-            if arguments:
-                await writer.add_variable(
-                    self.id(f'{path}/{what}'),
-                    ua.QualifiedName(what),
-                    self.id(path),
-                    Member(what, 0, 'property', 'ua:Argument', is_list=True),
-                    ua.Variant(arguments, ua.VariantType.ExtensionObject),
-                )
-        writer.server.iserver.isession.add_method_callback(self.id(path), callback)
+        await self.writer.server.get_node(self.id(parent)).add_method(
+            self.id(path), self.writer.browse_name(name), callback, inputs, [status]
+        )
 
     async def delete(self, path: str) -> None:
         """Delete an object and the variables that were added below it."""
