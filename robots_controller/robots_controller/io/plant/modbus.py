@@ -12,18 +12,20 @@ from typing import Any, Final, Self
 
 from robots_controller.io.bridge.io_port import Arrival, Number, Place, PlantPlace
 from robots_controller.io.io_image import Channel
-from robots_controller.io.number_kinds import INTEGERS, KINDS, bits_of
+from robots_controller.io.number_kinds import KINDS
 from robots_controller.io.plant.plant_link import LinkError, library
 from robots_core.files.yaml_section import YamlSection
 
 TABLES: Final = ('coil', 'discrete_input', 'holding_register', 'input_register')
 WRITABLE: Final = ('coil', 'holding_register')
 LAST_ADDRESS: Final = 65535
-WORDS: Final = {
-    **{kind: bits_of(kind) // 16 for kind in INTEGERS if '8' not in kind},
-    'float': 2,
-    'double': 4,
+_FORMATS: Final = {
+    **{f'int{8 * size}': f'>{letter}' for size, letter in ((2, 'h'), (4, 'i'), (8, 'q'))},
+    **{f'uint{8 * size}': f'>{letter}' for size, letter in ((2, 'H'), (4, 'I'), (8, 'Q'))},
+    'float': '>f',
+    'double': '>d',
 }
+WORDS: Final = {kind: struct.calcsize(packed) // 2 for kind, packed in _FORMATS.items()}
 """Registers of each type that they can hold."""
 
 MOST_READ: Final = {'coil': 2000, 'discrete_input': 2000, 'holding_register': 125, 'input_register': 125}
@@ -44,13 +46,6 @@ REASONS: Final = {
 """Of the protocol's exception codes."""
 
 ILLEGAL_ADDRESS: Final = 2
-
-_FORMATS: Final = {
-    **{f'int{8 * size}': f'>{letter}' for size, letter in ((2, 'h'), (4, 'i'), (8, 'q'))},
-    **{f'uint{8 * size}': f'>{letter}' for size, letter in ((2, 'H'), (4, 'I'), (8, 'Q'))},
-    'float': '>f',
-    'double': '>d',
-}
 
 
 @dataclass(frozen=True)
