@@ -43,6 +43,7 @@ class Motions(Family):
     def __init__(self, run: RunContext, motion_ended: Callable[[], None]) -> None:
         super().__init__(run)
         self._state, self._motion_ended = run.state, motion_ended
+        self.waiting = run.state.waiting
         self.error: RobotsError | None = None
         """Why the last motion that failed did."""
         self.error_text = ''
@@ -212,12 +213,6 @@ class Motions(Family):
             self._found = self._run.tool_pose()
             self._abort_motions()
         self._raise_failure(command)
-
-    def waiting(
-        self, ready: Callable[[], bool], duration: float | None = None
-    ) -> Generator[None, None, bool]:
-        """Wait for a condition; see `ProgramState.waiting`."""
-        return self._state.waiting(ready, duration)
 
     def _raise_failure(self, current: MotionCommand | None) -> None:
         failure = self._state.take_motion_error()

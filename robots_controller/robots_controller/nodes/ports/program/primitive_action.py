@@ -46,6 +46,7 @@ class PrimitiveAction:
     ) -> None:
         self._node, self._feedback, self._held_up = node, feedback, held_up
         self._settings = _primitives(node, driver)
+        self.name = self._settings.name
         self._action = action_type(ACTION_TYPE)
         if self._action is None:
             raise InvalidInputError(
@@ -58,7 +59,7 @@ class PrimitiveAction:
         self.planner = PrimitiveMotions(node.robot, self, self._measured)
         self.controller = PrimitiveControl(self.planner)
         self.check_guide = self.planner.check_guide
-        self._due = node.create_guard_condition(self.planner.step)
+        self.wake = node.create_guard_condition(self.planner.step).trigger
         node.create_timer(CHECK_PERIOD, self._check)
         self._running_topic = driver.running
 
@@ -85,18 +86,9 @@ class PrimitiveAction:
     # -- see `PrimitiveDriver` ------------------------------------------------------------------------
 
     @property
-    def name(self) -> str:
-        """See `PrimitiveDriver`."""
-        return self._settings.name
-
-    @property
     def served(self) -> bool:
         """See `PrimitiveDriver`."""
         return bool(self._client.server_is_ready()) and not self._held_up()
-
-    def wake(self) -> None:
-        """See `PrimitiveDriver`."""
-        self._due.trigger()
 
     def send(self, primitives: Sequence[MotionPrimitive]) -> None:
         """See `PrimitiveDriver`."""
