@@ -118,7 +118,7 @@ class IoBridgeNode(RobotNode):
             for text in port.news():
                 self.journal.info(text)
         self._report()
-        due = self.bridge.next_time() - now
+        due = self.bridge.next_time - now
         if due == float('inf'):
             self._timer.cancel()
         else:

@@ -91,7 +91,8 @@ class IoBridge:
             self._inputs.setdefault(row.place, []).append(InputValue(row, now))
         self.unknown: dict[Channel, str] = {}
         """Emergency stops that have no value of the PLC, and why, for a person."""
-        self._due = now
+        self.next_time = now
+        """When an input may change without an arrival, s; infinite for never."""
         self._outputs: dict[Place, list[IoRow]] = {}
         for row in io_map.outputs:
             self._outputs.setdefault(row.place, []).append(row)
@@ -112,13 +113,13 @@ class IoBridge:
             flood = f'{name}: values came faster than they could be taken; at least {lost} lost'
             self.problems.set(f'flood {name}', flood if lost else '', now, lost=lost)
             self.problems.replace(f'port {name} ', port.problems(), now)
-        if now >= self._due:
-            self._due = math.inf
+        if now >= self.next_time:
+            self.next_time = math.inf
             touched = [value for values in self._inputs.values() for value in values]
         for value in touched:
             yield value.row.channel, value.update(now)
             self._check_silence(value, now)
-            self._due = min(self._due, value.next_time(now))
+            self.next_time = min(self.next_time, value.next_time(now))
 
     def places(self) -> Iterator[tuple[Channel, Place, float]]:
         """Where channels stand, and when their sources say that they measured them, s since 1970 or NaN."""
@@ -128,10 +129,6 @@ class IoBridge:
         for rows in self._outputs.values():
             for row in rows:
                 yield row.channel, row.place, math.nan
-
-    def next_time(self) -> float:
-        """When an input may change without an arrival, s; infinite for never."""
-        return self._due
 
     def _receive(self, arrival: Arrival, now: float) -> list[InputValue]:
         values = self._inputs.get(arrival.place, [])
