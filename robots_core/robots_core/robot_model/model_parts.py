@@ -72,10 +72,20 @@ class RigidDynamicsModel:
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
+        model, data = self._model, self._data
+        try:  # as in `of_motion`
+            M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
+            if (
+                q.dtype is q_dot.dtype is q_ddot.dtype is FLOAT64
+                and q.ndim == q_dot.ndim == q_ddot.ndim == 1
+                and isfinite(sum(q.tolist(), sum(q_dot.tolist(), sum(q_ddot.tolist()))))
+            ):
+                return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
+        except (AttributeError, TypeError, ValueError):
+            pass
         q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-        M = pin.crba(self._model, self._data, q)
-        tau_aux = pin.nonLinearEffects(self._model, self._data, q, q_dot)
-        return M.dot(q_ddot) + tau_aux, M, tau_aux  # `@` takes twice as long
+        M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
+        return M.dot(q_ddot) + tau_aux, M, tau_aux
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """Joint torques (n,), N m, for a motion: inverse dynamics."""

@@ -233,7 +233,15 @@ class UrdfRobotModel(BaseRobotModel):
 
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
-        pin.framesForwardKinematics(self._model, self._data, finite_vector(q, self._n, 'q'))
+        # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
+        # infinity.
+        try:
+            pin.framesForwardKinematics(self._model, self._data, q)
+            finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            pin.framesForwardKinematics(self._model, self._data, finite_vector(q, self._n, 'q'))
         return self._r.copy(), self._T.copy()
 
     def pose(self, q: Array) -> Pose:
@@ -250,15 +258,21 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        q = finite_vector(q, self._n, 'q')
-        J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
-        return J.reshape(6, self._n)  # Pinocchio returns a single column as a vector
+        try:  # as above
+            J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
+            finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            q = finite_vector(q, self._n, 'q')
+            J = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
+        return J if self._n > 1 else J.reshape(6, 1)  # Pinocchio returns a single column as a vector
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
         self._compute_jacobians(q, q_dot)
         J_der: Array = pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, _WORLD)
-        return J_der.reshape(6, self._n)
+        return J_der if self._n > 1 else J_der.reshape(6, 1)
 
     def orientation_and_jacobians(self, q: Array, q_dot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.orientation_and_jacobians`."""
@@ -271,9 +285,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def _compute_jacobians(self, q: Array, q_dot: Array) -> None:
         """Let Pinocchio compute the Jacobians of all joints and their derivatives in its memory."""
-        # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
-        # infinity.
-        try:
+        try:  # as above
             pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
             finite = q.dtype is q_dot.dtype is FLOAT64 and isfinite(sum(q.tolist(), sum(q_dot.tolist())))
         except (AttributeError, TypeError, ValueError):
