@@ -66,7 +66,7 @@ class Arrival:
 
 
 class IoPort(Protocol):
-    """One partner of rows; by itself it has sent nothing, and has nothing to say.
+    """One partner of rows; the methods' defaults are those of one that is only read, and has no problems.
 
     None of the methods blocks, except `finish` for as long as it may.
     """
